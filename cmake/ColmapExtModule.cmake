@@ -1,0 +1,34 @@
+# colmap_ext_module(<name> DEPENDS <modules> LIBRARIES <third-party targets>)
+# makes the static library colmap_ext_<name> from src/<name>/*.cc. Public headers are in
+# include/colmap_ext/<name>/, private ones beside their .cc files.
+add_library(colmap_ext_warnings INTERFACE)
+target_compile_options(colmap_ext_warnings INTERFACE -Wall -Wextra -Wconversion -Werror)
+if(COLMAP_EXT_SANITIZE)
+  target_compile_options(colmap_ext_warnings INTERFACE -fsanitize=${COLMAP_EXT_SANITIZE}
+                                                       -fno-omit-frame-pointer)
+  target_link_options(colmap_ext_warnings INTERFACE -fsanitize=${COLMAP_EXT_SANITIZE})
+endif()
+
+function(colmap_ext_module name)
+  cmake_parse_arguments(ARG "" "" "DEPENDS;LIBRARIES" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cc)
+  add_library(colmap_ext_${name} STATIC ${sources})
+  add_library(colmap_ext::${name} ALIAS colmap_ext_${name})
+  target_include_directories(colmap_ext_${name} PUBLIC ${CMAKE_SOURCE_DIR}/include
+                                                PRIVATE ${CMAKE_SOURCE_DIR}/src)
+  list(TRANSFORM ARG_DEPENDS PREPEND colmap_ext_)
+  target_link_libraries(colmap_ext_${name} PUBLIC ${ARG_DEPENDS} ${ARG_LIBRARIES}
+                                           PRIVATE colmap_ext_warnings)
+  set_property(GLOBAL APPEND PROPERTY COLMAP_EXT_MODULES colmap_ext_${name})
+endfunction()
+
+# colmap_ext_tests(<module> [LIBRARIES ...]) makes test_<module> from tests/<module>/*_test.cc.
+function(colmap_ext_tests name)
+  cmake_parse_arguments(ARG "" "" "LIBRARIES" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*_test.cc)
+  add_executable(test_${name} ${sources})
+  target_include_directories(test_${name} PRIVATE ${CMAKE_SOURCE_DIR}/src ${CMAKE_SOURCE_DIR}/tests)
+  target_link_libraries(test_${name} PRIVATE ${ARG_LIBRARIES} GTest::gtest_main
+                                             colmap_ext_warnings)
+  gtest_discover_tests(test_${name} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT 600)
+endfunction()

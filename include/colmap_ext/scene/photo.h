@@ -1,0 +1,45 @@
+// A photo ready for the dense stages: undistorted, with its pose.
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "colmap_ext/geom/camera.h"
+#include "colmap_ext/geom/transforms.h"
+#include "colmap_ext/scene/reconstruction.h"
+
+namespace colmap_ext {
+
+struct PosedPhoto {
+  ImageId image_id = 0;
+  std::string name;
+  PinholeCamera camera;
+  Rigid3d cam_from_world;
+  cv::Mat bgr;  // CV_8UC3, camera.width x camera.height; empty in stages that need no pixels
+};
+
+// A sparse point as the dense stages use it: tracks refer to positions in a vector of PosedPhoto.
+struct SupportPoint {
+  Eigen::Vector3d position;         // world
+  double error_px = 0;              // mean reprojection error
+  std::vector<int> photo_indices;   // sorted, each once
+};
+
+// The registered photos of a model (sorted by name) and its points.
+struct PhotoSet {
+  std::vector<PosedPhoto> photos;
+  std::vector<SupportPoint> points;
+};
+
+// Reads the photos of `reconstruction` from `image_path`, in parallel, and undistorts those whose
+// camera is not a pinhole. With `with_pixels == false` the pictures are not opened. Throws Error
+// naming the photo that is missing, cannot be decoded, or is not of its camera's size.
+PhotoSet LoadPhotoSet(const Reconstruction& reconstruction, const std::string& image_path,
+                      bool with_pixels);
+
+// Reads a picture as BGR without applying its EXIF orientation (as COLMAP does). Throws Error naming
+// the file when it is missing, truncated or no picture.
+cv::Mat ReadPhoto(const std::string& path);
+
+}  // namespace colmap_ext

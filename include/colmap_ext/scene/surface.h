@@ -1,0 +1,18 @@
+#pragma once
+
+#include <vector>
+
+#include "colmap_ext/geom/mesh.h"
+
+namespace colmap_ext {
+
+// The reconstructed surface with its Poisson signal.
+struct Surface {
+  TriangleMesh mesh;  // world
+  // One a vertex: the local spacing (metres) of the points that support the surface there, from
+  // the density of the Poisson tree. SMALL spacing = STRONG signal.
+  std::vector<double> sample_spacing_m;
+  std::vector<Eigen::Vector3d> color;  // RGB 0 … 1, one a vertex
+};
+
+}  // namespace colmap_ext

@@ -11,6 +11,8 @@ find_package(assimp REQUIRED)
 find_package(CGAL REQUIRED)
 find_package(Open3D REQUIRED)
 find_package(exiv2 REQUIRED)
+# Debian keeps GeographicLib's find module in a folder of its own.
+list(APPEND CMAKE_MODULE_PATH /usr/share/cmake/geographiclib)
 find_package(GeographicLib REQUIRED)
 
 # Debian 12 has Embree 3, Debian 13 has Embree 4: the headers and a few names differ.

@@ -3,6 +3,10 @@
 # include/colmap_ext/<name>/, private ones beside their .cc files.
 add_library(colmap_ext_warnings INTERFACE)
 target_compile_options(colmap_ext_warnings INTERFACE -Wall -Wextra -Wconversion -Werror)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  # GCC 12 sees overlapping copies in std::string's operator+ that are not there (GCC bug 105651).
+  target_compile_options(colmap_ext_warnings INTERFACE -Wno-restrict)
+endif()
 if(COLMAP_EXT_SANITIZE)
   target_compile_options(colmap_ext_warnings INTERFACE -fsanitize=${COLMAP_EXT_SANITIZE}
                                                        -fno-omit-frame-pointer)
@@ -12,6 +16,9 @@ endif()
 function(colmap_ext_module name)
   cmake_parse_arguments(ARG "" "" "DEPENDS;LIBRARIES" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cc)
+  if(NOT sources)
+    return()
+  endif()
   add_library(colmap_ext_${name} STATIC ${sources})
   add_library(colmap_ext::${name} ALIAS colmap_ext_${name})
   target_include_directories(colmap_ext_${name} PUBLIC ${CMAKE_SOURCE_DIR}/include
@@ -26,6 +33,9 @@ endfunction()
 function(colmap_ext_tests name)
   cmake_parse_arguments(ARG "" "" "LIBRARIES" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*_test.cc)
+  if(NOT sources)
+    return()
+  endif()
   add_executable(test_${name} ${sources})
   target_include_directories(test_${name} PRIVATE ${CMAKE_SOURCE_DIR}/src ${CMAKE_SOURCE_DIR}/tests)
   target_link_libraries(test_${name} PRIVATE ${ARG_LIBRARIES} GTest::gtest_main

@@ -10,14 +10,6 @@
 
 namespace colmap_ext {
 
-// One verb of the program.
-struct Command {
-  const char* name;
-  const char* summary;  // one line for `colmap_ext help`
-  // `arguments` come after the verb. Returns the exit code; throws Error for what went wrong.
-  int (*run)(const std::vector<std::string>& arguments, const std::atomic<bool>& cancel);
-};
-
 // Adds --log_level, parses, and answers -h. Use:
 //   CommandLine line("view_planner", "What it does, in a sentence or two.");
 //   line.options().Add("", "workspace_path", &workspace_path, "…");

@@ -35,8 +35,8 @@ const CameraModelInfo& GetCameraModelInfo(const std::string& model_name);
 
 struct Camera {
   CameraModel model = CameraModel::kPinhole;
-  int width = 0;   // px
-  int height = 0;  // px
+  int width = 0;               // px
+  int height = 0;              // px
   std::vector<double> params;  // COLMAP's order; size = num_params of the model
 };
 
@@ -63,13 +63,17 @@ struct PinholeCamera {
   }
 };
 
-// Normalised camera coordinates (x/z, y/z) to pixel, with the model's distortion.
+// Normalised camera coordinates (x/z, y/z) to pixel, with the model's distortion. This and the
+// functions below throw Error when the number of parameters is not the model's.
 Eigen::Vector2d ImageFromNormalized(const Camera& camera, const Eigen::Vector2d& normalized);
-// Inverse of the above; nullopt where the iteration does not converge.
+// Inverse of the above; nullopt where the iteration does not converge, where the lens polynomial
+// has folded over (no point joined to the centre maps there), and 90 degrees and more off a
+// fisheye's axis.
 std::optional<Eigen::Vector2d> NormalizedFromImage(const Camera& camera,
                                                    const Eigen::Vector2d& pixel);
 
-// True for SIMPLE_PINHOLE and PINHOLE, and for any model whose distortion parameters are all zero.
+// True for SIMPLE_PINHOLE and PINHOLE, and for a model whose distortion parameters are all zero.
+// Never for a fisheye: without distortion it is equidistant, not a pinhole.
 bool IsPinhole(const Camera& camera);
 // The same focal lengths and principal point without distortion, at the same size.
 PinholeCamera ToPinhole(const Camera& camera);

@@ -2,12 +2,13 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <vector>
 
 namespace colmap_ext {
 
-// Triangles in one frame (world unless the name says otherwise), metres. Faces index vertices and are
-// counter-clockwise seen from outside.
+// Triangles in one frame (world unless the name says otherwise), metres. Faces index vertices and
+// are counter-clockwise seen from outside.
 struct TriangleMesh {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<Eigen::Vector3i> faces;

@@ -42,7 +42,8 @@ Rigid3d TransformCameraWorld(const Sim3d& new_from_old, const Rigid3d& cam_from_
 Eigen::Vector3d CameraCenter(const Rigid3d& cam_from_world);
 
 // Heading and pitch of a camera without roll in the ENU world (x east, y north, z up).
-// yaw_rad: clockwise from north seen from above (0 north, pi/2 east). pitch_rad: 0 level, positive up.
+// yaw_rad: clockwise from north seen from above (0 north, pi/2 east). pitch_rad: 0 level, positive
+// up.
 struct ViewDirection {
   double yaw_rad = 0;
   double pitch_rad = 0;

@@ -13,16 +13,16 @@ namespace colmap_ext {
 struct ChildProcessOptions {
   std::vector<std::string> arguments;              // [0] is the program, looked up on the PATH
   std::map<std::string, std::string> environment;  // added to this process's own
-  std::filesystem::path log_path;                  // stdout and stderr go there, appended; empty: kept
-                                                   // only in ChildProcessResult::output
+  std::filesystem::path log_path;  // stdout and stderr go there, appended; empty: kept
+                                   // only in ChildProcessResult::output
 };
 
 struct ChildProcessResult {
-  int exit_code = 0;       // 128 + signal when a signal ended it
-  std::string output;      // stdout and stderr together, at most the last 1 MiB
+  int exit_code = 0;   // 128 + signal when a signal ended it
+  std::string output;  // stdout and stderr together, at most the last 1 MiB
   double wall_s = 0;
-  double cpu_s = 0;        // user + system
-  double peak_mib = 0;     // maximum resident set
+  double cpu_s = 0;     // user + system
+  double peak_mib = 0;  // maximum resident set
 };
 
 // Starts the program without a shell, waits, and returns what happened. The child dies with this

@@ -25,7 +25,8 @@ class CancelledError : public Error {
   CancelledError() : Error("stopped on request; run the same command again to go on") {}
 };
 
-// Throws UsageError when an options struct's Check() returned a complaint (it is empty when all is well).
+// Throws UsageError when an options struct's Check() returned a complaint (it is empty when all is
+// well).
 inline void ThrowIfInvalid(const std::string& complaint) {
   if (!complaint.empty()) throw UsageError(complaint);
 }

@@ -9,8 +9,8 @@
 
 namespace colmap_ext {
 
-// Options of one command, in COLMAP's style: `--workspace_path W --Section.name value`, and the same
-// names in an INI file (`[Section]` then `name = value`). Stages declare theirs by a function
+// Options of one command, in COLMAP's style: `--workspace_path W --Section.name value`, and the
+// same names in an INI file (`[Section]` then `name = value`). Stages declare theirs by a function
 //   void BindOptions(OptionSet& set, FooOptions* options);
 // which calls set.Add("Foo", "name", &options->name, "meaning (unit, range)") for each field; the
 // value already in the field is the default.
@@ -28,8 +28,9 @@ class OptionSet {
 
   // Parses `arguments` (without program and command name) and, when `--project_path F` is among
   // them, the INI file F first (the command line wins). Throws UsageError naming the wrong option,
-  // with the file and line for an INI file. Unknown options are errors on the command line; in an INI
-  // file, unknown names inside a section that this set uses are errors, other sections are ignored.
+  // with the file and line for an INI file. Unknown options are errors on the command line; in an
+  // INI file, unknown names inside a section that this set uses are errors, other sections are
+  // ignored.
   void Parse(const std::vector<std::string>& arguments);
 
   // Reads an INI file as above (also used for a workspace's session.ini). Values that the command

@@ -1,0 +1,117 @@
+// colmap_ext: active image-based modeling for COLMAP. One verb a command, as in COLMAP.
+#include <pthread.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <iostream>
+#include <new>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "colmap_ext/util/error.h"
+#include "commands.h"
+
+namespace colmap_ext {
+namespace {
+
+struct Command {
+  const char* name;
+  const char* summary;  // one line for `colmap_ext help`
+  int (*run)(const Arguments& arguments, const CancelFlag& cancel);
+};
+
+constexpr std::array kCommands = {
+    Command{"active_capture", "the whole loop: photos, model, coverage, next views, flight",
+            RunActiveCapture},
+};
+
+// Turns SIGINT and SIGTERM into a flag that stages look at; a second one ends the process at once.
+// The signals are blocked in every thread and awaited in one, so no state is shared with a handler.
+class SignalWatcher {
+ public:
+  explicit SignalWatcher(std::atomic<bool>* cancel) {
+    sigset_t signals;
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGINT);
+    sigaddset(&signals, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+    thread_ = std::jthread([signals, cancel](const std::stop_token& stop) {
+      while (!stop.stop_requested()) {
+        const timespec interval{0, 100'000'000};
+        if (sigtimedwait(&signals, nullptr, &interval) < 0) continue;
+        if (cancel->exchange(true)) _exit(1);
+        std::fputs("\nstopping after the work at hand; once more to stop at once\n", stderr);
+      }
+    });
+  }
+
+ private:
+  std::jthread thread_;
+};
+
+void PrintHelp(std::ostream& stream) {
+  stream << "colmap_ext " COLMAP_EXT_VERSION ": active image-based modeling for COLMAP\n\n"
+         << "Usage: colmap_ext <command> [--option value] [--Section.option value]\n"
+         << "       colmap_ext <command> -h     all options of a command, with defaults\n\n"
+         << "Commands:\n";
+  for (const Command& command : kCommands) {
+    std::string name = command.name;
+    name.resize(24, ' ');
+    stream << "  " << name << command.summary << '\n';
+  }
+  stream << "\nExit codes: 0 done, 1 failed, 2 wrong usage.\n";
+}
+
+int RunCommand(const Command& command, const Arguments& arguments) {
+  std::atomic<bool> cancel = false;
+  const SignalWatcher watcher(&cancel);
+  const std::string prefix = std::string("colmap_ext ") + command.name + ": ";
+  try {
+    return command.run(arguments, cancel);
+  } catch (const UsageError& error) {
+    std::cerr << prefix << error.what() << '\n';
+    return 2;
+  } catch (const std::bad_alloc&) {
+    std::cerr << prefix << "not enough memory\n";
+    return 1;
+  } catch (const std::exception& error) {
+    std::cerr << prefix << error.what() << '\n';
+    return 1;
+  }
+}
+
+int Run(const Arguments& arguments) {
+  if (arguments.empty()) {
+    PrintHelp(std::cerr);
+    return 2;
+  }
+  const std::string& verb = arguments[0];
+  if (verb == "help" || verb == "-h" || verb == "--help") {
+    PrintHelp(std::cout);
+    return 0;
+  }
+  if (verb == "version" || verb == "--version") {
+    std::cout << "colmap_ext " COLMAP_EXT_VERSION "\n";
+    return 0;
+  }
+  for (const Command& command : kCommands) {
+    if (verb == command.name) {
+      return RunCommand(command, Arguments(arguments.begin() + 1, arguments.end()));
+    }
+  }
+  std::cerr << "colmap_ext: no such command: " << verb << "; `colmap_ext help` lists them\n";
+  return 2;
+}
+
+}  // namespace
+}  // namespace colmap_ext
+
+int main(int argc, char** argv) {
+  return colmap_ext::Run(colmap_ext::Arguments(argv + 1, argv + argc));
+}

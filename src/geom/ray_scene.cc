@@ -1,0 +1,193 @@
+#include "colmap_ext/geom/ray_scene.h"
+
+#if COLMAP_EXT_EMBREE_MAJOR >= 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "colmap_ext/util/error.h"
+
+namespace colmap_ext {
+namespace {
+
+// Closest point of a triangle to p (Ericson, Real-Time Collision Detection, 5.1.5: Voronoi
+// regions).
+Eigen::Vector3f ClosestPointOnTriangle(const Eigen::Vector3f& p, const Eigen::Vector3f& a,
+                                       const Eigen::Vector3f& b, const Eigen::Vector3f& c) {
+  const Eigen::Vector3f ab = b - a, ac = c - a, ap = p - a;
+  const float d1 = ab.dot(ap), d2 = ac.dot(ap);
+  if (d1 <= 0 && d2 <= 0) return a;
+  const Eigen::Vector3f bp = p - b;
+  const float d3 = ab.dot(bp), d4 = ac.dot(bp);
+  if (d3 >= 0 && d4 <= d3) return b;
+  const Eigen::Vector3f cp = p - c;
+  const float d5 = ab.dot(cp), d6 = ac.dot(cp);
+  if (d6 >= 0 && d5 <= d6) return c;
+  const float vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + (d1 / (d1 - d3)) * ab;
+  const float vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + (d2 / (d2 - d6)) * ac;
+  const float va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+    return b + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c - b);
+  }
+  const float scale = 1.0F / (va + vb + vc);
+  return a + ab * (vb * scale) + ac * (vc * scale);
+}
+
+}  // namespace
+
+struct RayScene::Impl {
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+  const float* vertices = nullptr;    // owned by Embree, 3 floats a vertex
+  const unsigned* indices = nullptr;  // owned by Embree, 3 a face
+  std::size_t num_faces = 0;
+
+  ~Impl() {
+    if (scene != nullptr) rtcReleaseScene(scene);
+    if (device != nullptr) rtcReleaseDevice(device);
+  }
+
+  Eigen::Vector3f Vertex(unsigned face, unsigned corner) const {
+    const float* v = vertices + std::size_t{3} * indices[std::size_t{3} * face + corner];
+    return {v[0], v[1], v[2]};
+  }
+};
+
+RayScene::RayScene(const TriangleMesh& mesh) : impl_(std::make_unique<Impl>()) {
+  impl_->device = rtcNewDevice("threads=1");
+  if (impl_->device == nullptr) throw Error("Embree could not be started");
+  impl_->scene = rtcNewScene(impl_->device);
+  // Robust: no ray slips through the edge shared by two triangles.
+  rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);
+  impl_->num_faces = mesh.faces.size();
+  if (!mesh.faces.empty()) {
+    RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* vertices = static_cast<float*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                3 * sizeof(float), mesh.vertices.size()));
+    auto* indices = static_cast<unsigned*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                3 * sizeof(unsigned), mesh.faces.size()));
+    if (vertices == nullptr || indices == nullptr) throw Error("not enough memory for the mesh");
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+      for (int k = 0; k < 3; ++k)
+        vertices[3 * i + static_cast<std::size_t>(k)] = static_cast<float>(mesh.vertices[i][k]);
+    }
+    for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+      for (int k = 0; k < 3; ++k)
+        indices[3 * i + static_cast<std::size_t>(k)] = static_cast<unsigned>(mesh.faces[i][k]);
+    }
+    impl_->vertices = vertices;
+    impl_->indices = indices;
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(impl_->scene, geometry);
+    rtcReleaseGeometry(geometry);
+  }
+  rtcCommitScene(impl_->scene);
+}
+
+RayScene::~RayScene() = default;
+RayScene::RayScene(RayScene&&) noexcept = default;
+RayScene& RayScene::operator=(RayScene&&) noexcept = default;
+
+std::size_t RayScene::NumFaces() const { return impl_->num_faces; }
+
+namespace {
+
+RTCRay MakeRay(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double min_m,
+               double max_m) {
+  RTCRay ray{};
+  ray.org_x = static_cast<float>(origin.x());
+  ray.org_y = static_cast<float>(origin.y());
+  ray.org_z = static_cast<float>(origin.z());
+  ray.dir_x = static_cast<float>(direction.x());
+  ray.dir_y = static_cast<float>(direction.y());
+  ray.dir_z = static_cast<float>(direction.z());
+  ray.tnear = static_cast<float>(min_m);
+  ray.tfar = static_cast<float>(max_m);
+  ray.mask = ~0U;
+  return ray;
+}
+
+}  // namespace
+
+std::optional<RayHit> RayScene::Intersect(const Eigen::Vector3d& origin,
+                                          const Eigen::Vector3d& direction, double min_m,
+                                          double max_m) const {
+  RTCRayHit query{};
+  query.ray = MakeRay(origin, direction, min_m, max_m);
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+#if COLMAP_EXT_EMBREE_MAJOR >= 4
+  rtcIntersect1(impl_->scene, &query);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(impl_->scene, &context, &query);
+#endif
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  return RayHit{static_cast<double>(query.ray.tfar), static_cast<int>(query.hit.primID),
+                static_cast<double>(query.hit.u), static_cast<double>(query.hit.v)};
+}
+
+bool RayScene::IsOccluded(const Eigen::Vector3d& from, const Eigen::Vector3d& to,
+                          double epsilon_m) const {
+  const Eigen::Vector3d offset = to - from;
+  const double length = offset.norm();
+  if (length <= 2 * epsilon_m) return false;
+  RTCRay ray = MakeRay(from, offset / length, epsilon_m, length - epsilon_m);
+#if COLMAP_EXT_EMBREE_MAJOR >= 4
+  rtcOccluded1(impl_->scene, &ray);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(impl_->scene, &context, &ray);
+#endif
+  return ray.tfar < 0;  // Embree's sign for "hit"
+}
+
+namespace {
+
+struct DistanceQuery {
+  const void* impl;
+  Eigen::Vector3f point;
+};
+
+}  // namespace
+
+double RayScene::DistanceToSurface(const Eigen::Vector3d& point, double max_m) const {
+  if (impl_->num_faces == 0 || !(max_m > 0)) return max_m;
+  RTCPointQuery query{};
+  query.x = static_cast<float>(point.x());
+  query.y = static_cast<float>(point.y());
+  query.z = static_cast<float>(point.z());
+  query.radius =
+      std::isfinite(max_m) ? static_cast<float>(max_m) : std::numeric_limits<float>::max();
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  DistanceQuery user{impl_.get(), point.cast<float>()};
+  rtcPointQuery(
+      impl_->scene, &query, &context,
+      [](RTCPointQueryFunctionArguments* arguments) {
+        const auto* data = static_cast<const DistanceQuery*>(arguments->userPtr);
+        const auto* impl = static_cast<const Impl*>(data->impl);
+        const Eigen::Vector3f closest = ClosestPointOnTriangle(
+            data->point, impl->Vertex(arguments->primID, 0), impl->Vertex(arguments->primID, 1),
+            impl->Vertex(arguments->primID, 2));
+        const float distance = (closest - data->point).norm();
+        if (distance >= arguments->query->radius) return false;
+        arguments->query->radius = distance;
+        return true;
+      },
+      &user);
+  const double found = static_cast<double>(query.radius);
+  return std::isfinite(max_m) ? std::min(found, max_m) : found;
+}
+
+}  // namespace colmap_ext

@@ -10,37 +10,10 @@
 #include <limits>
 #include <string>
 
+#include "colmap_ext/geom/closest_point.h"
 #include "colmap_ext/util/error.h"
 
 namespace colmap_ext {
-namespace {
-
-// Closest point of a triangle to p (Ericson, Real-Time Collision Detection, 5.1.5: Voronoi
-// regions).
-Eigen::Vector3f ClosestPointOnTriangle(const Eigen::Vector3f& p, const Eigen::Vector3f& a,
-                                       const Eigen::Vector3f& b, const Eigen::Vector3f& c) {
-  const Eigen::Vector3f ab = b - a, ac = c - a, ap = p - a;
-  const float d1 = ab.dot(ap), d2 = ac.dot(ap);
-  if (d1 <= 0 && d2 <= 0) return a;
-  const Eigen::Vector3f bp = p - b;
-  const float d3 = ab.dot(bp), d4 = ac.dot(bp);
-  if (d3 >= 0 && d4 <= d3) return b;
-  const Eigen::Vector3f cp = p - c;
-  const float d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d6 >= 0 && d5 <= d6) return c;
-  const float vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + (d1 / (d1 - d3)) * ab;
-  const float vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + (d2 / (d2 - d6)) * ac;
-  const float va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-    return b + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c - b);
-  }
-  const float scale = 1.0F / (va + vb + vc);
-  return a + ab * (vb * scale) + ac * (vc * scale);
-}
-
-}  // namespace
 
 struct RayScene::Impl {
   RTCDevice device = nullptr;
@@ -54,9 +27,9 @@ struct RayScene::Impl {
     if (device != nullptr) rtcReleaseDevice(device);
   }
 
-  Eigen::Vector3f Vertex(unsigned face, unsigned corner) const {
+  Eigen::Vector3d Vertex(unsigned face, unsigned corner) const {
     const float* v = vertices + std::size_t{3} * indices[std::size_t{3} * face + corner];
-    return {v[0], v[1], v[2]};
+    return Eigen::Vector3f(v[0], v[1], v[2]).cast<double>();
   }
 };
 
@@ -156,7 +129,7 @@ namespace {
 
 struct DistanceQuery {
   const void* impl;
-  Eigen::Vector3f point;
+  Eigen::Vector3d point;
 };
 
 }  // namespace
@@ -171,16 +144,16 @@ double RayScene::DistanceToSurface(const Eigen::Vector3d& point, double max_m) c
       std::isfinite(max_m) ? static_cast<float>(max_m) : std::numeric_limits<float>::max();
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
-  DistanceQuery user{impl_.get(), point.cast<float>()};
+  DistanceQuery user{impl_.get(), point};
   rtcPointQuery(
       impl_->scene, &query, &context,
       [](RTCPointQueryFunctionArguments* arguments) {
         const auto* data = static_cast<const DistanceQuery*>(arguments->userPtr);
         const auto* impl = static_cast<const Impl*>(data->impl);
-        const Eigen::Vector3f closest = ClosestPointOnTriangle(
+        const Eigen::Vector3d closest = ClosestPointOnTriangle(
             data->point, impl->Vertex(arguments->primID, 0), impl->Vertex(arguments->primID, 1),
             impl->Vertex(arguments->primID, 2));
-        const float distance = (closest - data->point).norm();
+        const float distance = static_cast<float>((closest - data->point).norm());
         if (distance >= arguments->query->radius) return false;
         arguments->query->radius = distance;
         return true;

@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# Installs the Debian packages that colmap_ext needs to be built, run and tested. Does nothing when
+# they are all there. Needs root or sudo. What each package is for: docs/dependencies.md.
+set -euo pipefail
+
+packages=(
+  build-essential cmake ninja-build
+  colmap
+  libassimp-dev libboost-program-options-dev libceres-dev libcgal-dev libeigen3-dev libembree-dev
+  libexiv2-dev libgeographiclib-dev libopen3d-dev libopencv-dev libsqlite3-dev libtbb-dev
+  nlohmann-json3-dev
+)
+if [[ "${1:-}" == "--tests" ]]; then
+  packages+=(libgtest-dev clang-format clang-tidy python3 sqlite3)
+fi
+
+missing=()
+for package in "${packages[@]}"; do
+  dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q "ok installed" || missing+=("$package")
+done
+if ((${#missing[@]} == 0)); then
+  echo "Packages: all ${#packages[@]} are installed"
+  exit 0
+fi
+
+as_root=()
+if ((EUID != 0)); then
+  command -v sudo >/dev/null || { echo "error: installing packages needs root or sudo" >&2; exit 1; }
+  as_root=(sudo)
+fi
+echo "Packages: installing ${missing[*]}"
+"${as_root[@]}" apt-get update -q
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+  apt-get install -q -y --no-install-recommends "${missing[@]}"

@@ -1,0 +1,34 @@
+// Multi-view fusion (paper, Sec. "Linear Dense MVS", "Multi-view Depth Fusion").
+#pragma once
+
+#include <vector>
+
+#include "colmap_ext/mvs/linear_stereo.h"
+#include "colmap_ext/mvs/stereo_options.h"
+#include "colmap_ext/mvs/view_lookup.h"
+#include "colmap_ext/scene/view_mesh.h"
+#include "colmap_ext/util/job_control.h"
+
+namespace colmap_ext {
+
+// Rows of E_fusion (Eq. "fusion_term") for the facets of `view` whose confidence is at most
+// options.fixed_confidence. The confident facets of the neighbours that face the view are projected
+// into it; on a pixel grid each gives its depth to the facet that it covers, weighted by its
+// confidence and by colour and normal proximity. Of these a facet follows the depths that agree
+// best (options.fusion_space_tolerance); a nearer group wins over a farther one that is not clearly
+// stronger, for it hides it.
+std::vector<DepthRow> CollectFusionRows(const std::vector<ViewMesh>& views,
+                                        const std::vector<ViewLookup>& lookups,
+                                        const std::vector<int>& neighbors_of_view, int view,
+                                        const SuperpixelStereoOptions& options);
+
+// One pass: every view is solved again from the result of the pass before (so the order of views
+// and the number of threads do not matter), facets with confidence above options.fixed_confidence
+// fixed; then lookups and confidence are renewed. `solvers`, `lookups` and `views` have one entry a
+// view. Throws CancelledError.
+void FuseViews(const std::vector<LinearStereo>& solvers,
+               const std::vector<std::vector<int>>& neighbors,
+               const SuperpixelStereoOptions& options, const JobControl& job,
+               std::vector<ViewLookup>* lookups, std::vector<ViewMesh>* views);
+
+}  // namespace colmap_ext

@@ -1,0 +1,58 @@
+// The linear solve of one view (paper, Sec. "Linear Dense MVS", "MVS Formulation" and
+// "Initialization"): given the triangles of a photo and SfM points, three inverse depths a
+// triangle.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "colmap_ext/mvs/stereo_options.h"
+#include "colmap_ext/scene/photo.h"
+#include "colmap_ext/scene/view_mesh.h"
+
+namespace colmap_ext {
+
+// One observation of inverse depth inside a triangle: a row of E_sfm (Eq. "sfm"), or of E_fusion
+// (Eq. "fusion_term").
+struct DepthRow {
+  int triangle = 0;
+  Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();  // sums to 1
+  double inverse_depth = 0;  // 1/z in the view's camera frame, in the units of the world
+  double weight = 1;
+};
+
+// Rows of the SfM points that photo `photo_index` observes, by their projection. Weight: less for a
+// large reprojection error, half for a track of two.
+std::vector<DepthRow> CollectSfmRows(const PhotoSet& photos, int photo_index, const ImageMesh& mesh,
+                                     const cv::Mat1i& triangle_at);
+
+// Solves one view, again and again with different rows. Immutable after construction.
+class LinearStereo {
+ public:
+  // `mesh` is the partition of the photo, `triangle_at` its TriangleIdMap.
+  LinearStereo(const PhotoSet& photos, int photo_index, const ImageMesh& mesh,
+               const cv::Mat1i& triangle_at, const SuperpixelStereoOptions& options);
+  ~LinearStereo();
+  LinearStereo(LinearStereo&&) noexcept;
+  LinearStereo& operator=(LinearStereo&&) noexcept;
+
+  // Minimises Eq. "surface_reconstruction_init": E_sfm + λ_s E_smooth + λ_c E_continuity.
+  // Triangles that no SfM point's region reaches have supported == 0; in a view without any SfM
+  // point all inverse depths are 0. Confidence is 0 everywhere.
+  const ViewMesh& initial() const;
+
+  // Minimises Eq. "surface_reconstruction_fusion": the terms above and `fusion_rows`, over the
+  // triangles with fixed[t] == 0; the others keep mesh->inverse_depth. Triangles with fusion rows
+  // become supported. Leaves the mesh alone when there is nothing to go by.
+  void Refine(const std::vector<std::uint8_t>& fixed, const std::vector<DepthRow>& fusion_rows,
+              ViewMesh* mesh) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace colmap_ext

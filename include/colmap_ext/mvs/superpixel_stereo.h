@@ -1,0 +1,32 @@
+// Linear dense MVS, from photos and SfM points to one mesh a view (paper, Sec. "Linear Dense MVS").
+#pragma once
+
+#include <vector>
+
+#include "colmap_ext/mvs/stereo_options.h"
+#include "colmap_ext/mvs/superpixels.h"
+#include "colmap_ext/scene/photo.h"
+#include "colmap_ext/scene/view_mesh.h"
+#include "colmap_ext/util/job_control.h"
+#include "colmap_ext/util/stage_timer.h"
+
+namespace colmap_ext {
+
+struct SuperpixelStereoResult {
+  std::vector<ViewMesh> views;              // one a photo, in the order of the photos
+  std::vector<std::vector<int>> neighbors;  // of each view, best first
+  StageCost superpixels;
+  StageCost stereo;
+  StageCost fusion;
+};
+
+// Superpixels, initial solve, confidence and fusion of all photos (with pixels). Photos are worked
+// on in parallel; the result does not depend on the number of threads. A photo without SfM points
+// or neighbours gets a mesh with supported == 0 or confidence 0. Throws UsageError for options out
+// of range, Error for a photo without pixels or of another size than its camera, CancelledError.
+SuperpixelStereoResult RunSuperpixelStereo(const PhotoSet& photos,
+                                           const SuperpixelOptions& superpixel_options,
+                                           const SuperpixelStereoOptions& options,
+                                           const JobControl& job);
+
+}  // namespace colmap_ext

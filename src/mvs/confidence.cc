@@ -1,0 +1,108 @@
+#include "colmap_ext/mvs/confidence.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace colmap_ext {
+namespace {
+
+// From the camera frame of a view to that of a neighbour, and where its pixels are.
+struct Witness {
+  const ViewMesh* mesh;
+  const ViewLookup* lookup;
+  Eigen::Matrix3d rotation;  // neighbour_from_view
+  Eigen::Vector3d translation;
+};
+
+double AngleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::acos(std::clamp(a.dot(b), -1.0, 1.0));
+}
+
+// Adds what one neighbour says about the facet with centroid X_1 (in the view's camera) at x_1.
+void AddWitness(const Witness& witness, const ViewLookup& view, const Eigen::Vector3d& point_in_cam,
+                const Eigen::Vector2d& pixel, const Eigen::Vector3d& normal_in_world,
+                const SuperpixelStereoOptions& options, ConfidenceCues* cues) {
+  const Eigen::Vector3d point_in_other = witness.rotation * point_in_cam + witness.translation;
+  if (!(point_in_other.z() > 0)) return;
+  const Eigen::Vector2d pixel_in_other = witness.lookup->camera.Project(point_in_other);
+  const int t = witness.lookup->TriangleAt(pixel_in_other);
+  if (t < 0 || witness.mesh->supported[static_cast<std::size_t>(t)] == 0) return;
+  const double inverse_depth = witness.lookup->InverseDepth(t, pixel_in_other);
+  if (!(inverse_depth > 0)) return;
+  const double depth_ratio = 1.0 / (inverse_depth * point_in_other.z());  // mesh there / facet
+  if (depth_ratio < 1.0 - options.occlusion_tolerance) return;            // hidden behind it
+  // X'_1 on the same ray of the neighbour, back into the view.
+  const Eigen::Vector3d back_in_cam =
+      witness.rotation.transpose() * (point_in_other * depth_ratio - witness.translation);
+  constexpr double kFarPx = 1e3;
+  const double position_error =
+      back_in_cam.z() > 0 ? std::min(kFarPx, (view.camera.Project(back_in_cam) - pixel).norm())
+                          : kFarPx;
+  ++cues->witnesses;
+  cues->position_px += position_error;
+  cues->normal_rad +=
+      AngleBetween(normal_in_world, witness.lookup->normal_in_world[static_cast<std::size_t>(t)]);
+}
+
+}  // namespace
+
+double ConfidenceScore(const ConfidenceCues& cues, const SuperpixelStereoOptions& options) {
+  if (cues.witnesses == 0) return 0;
+  const double cosine = std::cos(cues.view_rad);
+  return std::exp(-cues.position_px / options.sigma_position_px) *
+         std::exp(-cues.normal_rad / DegToRad(options.sigma_normal_deg)) *
+         (1.0 - std::exp(-cosine * cosine / options.sigma_view));
+}
+
+std::vector<ConfidenceCues> EvaluateCues(const std::vector<ViewMesh>& views,
+                                         const std::vector<ViewLookup>& lookups,
+                                         const std::vector<int>& neighbors_of_view, int view,
+                                         const SuperpixelStereoOptions& options) {
+  const ViewMesh& mesh = views[static_cast<std::size_t>(view)];
+  const ViewLookup& lookup = lookups[static_cast<std::size_t>(view)];
+  std::vector<Witness> witnesses;
+  for (const int j : neighbors_of_view) {
+    const ViewLookup& other = lookups[static_cast<std::size_t>(j)];
+    const Rigid3d other_from_view = other.cam_from_world * lookup.world_from_cam;
+    witnesses.push_back({&views[static_cast<std::size_t>(j)], &other,
+                         other_from_view.rotation.toRotationMatrix(), other_from_view.translation});
+  }
+  std::vector<ConfidenceCues> cues(mesh.image.triangles.size());
+  for (std::size_t t = 0; t < cues.size(); ++t) {
+    if (mesh.supported[t] == 0) continue;
+    const Eigen::Vector3i& corner = mesh.image.triangles[t];
+    const Eigen::Vector2d pixel = (mesh.image.vertices_px[static_cast<std::size_t>(corner[0])] +
+                                   mesh.image.vertices_px[static_cast<std::size_t>(corner[1])] +
+                                   mesh.image.vertices_px[static_cast<std::size_t>(corner[2])]) /
+                                  3.0;
+    const Eigen::Vector3d ray = lookup.camera.Ray(pixel);
+    const Eigen::Vector3d point_in_cam = ray / lookup.plane_in_cam[t].dot(ray);
+    const Eigen::Vector3d& normal = lookup.normal_in_world[t];
+    for (const Witness& witness : witnesses) {
+      AddWitness(witness, lookup, point_in_cam, pixel, normal, options, &cues[t]);
+    }
+    if (cues[t].witnesses > 0) {
+      cues[t].position_px /= cues[t].witnesses;
+      cues[t].normal_rad /= cues[t].witnesses;
+    }
+    cues[t].view_rad = AngleBetween(lookup.plane_in_cam[t].normalized(), ray.normalized());
+  }
+  return cues;
+}
+
+void EvaluateConfidence(const std::vector<ViewLookup>& lookups,
+                        const std::vector<std::vector<int>>& neighbors,
+                        const SuperpixelStereoOptions& options, std::vector<ViewMesh>* views) {
+  tbb::parallel_for(std::size_t{0}, views->size(), [&](std::size_t i) {
+    const std::vector<ConfidenceCues> cues =
+        EvaluateCues(*views, lookups, neighbors[i], static_cast<int>(i), options);
+    std::vector<float>& confidence = (*views)[i].confidence;
+    for (std::size_t t = 0; t < cues.size(); ++t) {
+      confidence[t] = static_cast<float>(ConfidenceScore(cues[t], options));
+    }
+  });
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,96 @@
+#include "colmap_ext/mvs/superpixels.h"
+
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
+
+#include "colmap_ext/util/error.h"
+#include "mvs/raster.h"
+#include "mvs/superpixel_sites.h"
+#include "mvs/voronoi_mesh.h"
+
+namespace colmap_ext {
+namespace {
+
+void RequireColorPhoto(const cv::Mat& bgr) {
+  if (bgr.empty()) throw Error("superpixels: the photo is empty");
+  if (bgr.type() != CV_8UC3) throw Error("superpixels: the photo is not 8-bit BGR");
+}
+
+// Mean colour of each superpixel over the pixels whose centres it covers (or its first triangle's
+// centroid, when it covers none), given to each of its triangles.
+void FillMeanColors(const cv::Mat& bgr, ImageMesh* mesh) {
+  struct Sum {
+    double b = 0, g = 0, r = 0, count = 0;
+    void Add(const cv::Vec3b& pixel) {
+      b += pixel[0];
+      g += pixel[1];
+      r += pixel[2];
+      count += 1;
+    }
+  };
+  std::vector<Sum> sums(static_cast<std::size_t>(mesh->num_superpixels));
+  const auto sum_of = [&](std::size_t t) -> Sum& {
+    return sums[static_cast<std::size_t>(mesh->superpixel[t])];
+  };
+  const cv::Mat1i ids = RasterizeTriangleIds(*mesh, bgr.cols, bgr.rows);
+  for (int y = 0; y < bgr.rows; ++y) {
+    for (int x = 0; x < bgr.cols; ++x) {
+      if (ids(y, x) >= 0) {
+        sum_of(static_cast<std::size_t>(ids(y, x))).Add(bgr.at<cv::Vec3b>(y, x));
+      }
+    }
+  }
+  mesh->mean_bgr.resize(mesh->triangles.size());
+  for (std::size_t t = 0; t < mesh->triangles.size(); ++t) {
+    Sum& sum = sum_of(t);
+    if (sum.count == 0) {
+      Eigen::Vector2d centroid = Eigen::Vector2d::Zero();
+      for (int k = 0; k < 3; ++k) {
+        centroid += mesh->vertices_px[static_cast<std::size_t>(mesh->triangles[t][k])] / 3.0;
+      }
+      sum.Add(bgr.at<cv::Vec3b>(std::clamp(static_cast<int>(centroid.y()), 0, bgr.rows - 1),
+                                std::clamp(static_cast<int>(centroid.x()), 0, bgr.cols - 1)));
+    }
+    mesh->mean_bgr[t] =
+        Eigen::Vector3d(sum.b / sum.count, sum.g / sum.count, sum.r / sum.count).cast<float>();
+  }
+}
+
+}  // namespace
+
+std::vector<LineSegment> DetectLineSegments(const cv::Mat& bgr, const SuperpixelOptions& options) {
+  RequireColorPhoto(bgr);
+  ThrowIfInvalid(options.Check());
+  std::vector<LineSegment> segments;
+  // The detector's gradient needs a few pixels.
+  if (std::min(bgr.cols, bgr.rows) * options.lsd_scale < 8) return segments;
+  cv::Mat gray;
+  cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);
+  std::vector<cv::Vec4f> lines;
+  cv::createLineSegmentDetector(cv::LSD_REFINE_STD, options.lsd_scale)->detect(gray, lines);
+  const Eigen::AlignedBox2d image(Eigen::Vector2d::Zero(), Eigen::Vector2d(bgr.cols, bgr.rows));
+  for (const cv::Vec4f& line : lines) {
+    // OpenCV's pixel centres are whole numbers, ours end in .5.
+    const Eigen::Vector2d half(0.5, 0.5);
+    const Eigen::Vector2d start = Eigen::Vector2d(line[0], line[1]) + half;
+    const Eigen::Vector2d end = Eigen::Vector2d(line[2], line[3]) + half;
+    const LineSegment segment{start.cwiseMax(image.min()).cwiseMin(image.max()),
+                              end.cwiseMax(image.min()).cwiseMin(image.max())};
+    if (segment.Length() >= options.min_segment_px) segments.push_back(segment);
+  }
+  std::stable_sort(
+      segments.begin(), segments.end(),
+      [](const LineSegment& a, const LineSegment& b) { return a.Length() > b.Length(); });
+  return segments;
+}
+
+ImageMesh SegmentPhoto(const cv::Mat& bgr, const SuperpixelOptions& options) {
+  const std::vector<LineSegment> segments = DetectLineSegments(bgr, options);
+  const SuperpixelSites sites = PlaceSites(segments, bgr.cols, bgr.rows, options);
+  ImageMesh mesh = BuildVoronoiMesh(sites.points_px, bgr.cols, bgr.rows, sites.cover_radius_px,
+                                    options.merge_px);
+  FillMeanColors(bgr, &mesh);
+  return mesh;
+}
+
+}  // namespace colmap_ext

@@ -37,7 +37,7 @@ struct TrackElement {
 };
 
 struct SparsePoint {
-  Eigen::Vector3d position;  // world
+  Eigen::Vector3d position;                                                             // world
   Eigen::Matrix<std::uint8_t, 3, 1> color = Eigen::Matrix<std::uint8_t, 3, 1>::Zero();  // RGB
   double error_px = -1;  // mean reprojection error; -1 unknown
   std::vector<TrackElement> track;
@@ -50,8 +50,8 @@ struct Reconstruction {
   std::map<Point3DId, SparsePoint> points;
 };
 
-// Throws Error naming what is inconsistent: a missing camera, a track element or keypoint that points
-// to nothing, a non-finite pose, a wrong number of parameters.
+// Throws Error naming what is inconsistent: a missing camera, a track element or keypoint that
+// points to nothing, a non-finite pose, a wrong number of parameters.
 void CheckConsistency(const Reconstruction& reconstruction, const std::string& where);
 
 // Moves the whole model: points and camera centres by `new_from_old`.

@@ -1,0 +1,65 @@
+// The real `colmap`, for tests that read what it wrote and let it read what we wrote.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "colmap_ext/util/child_process.h"
+#include "colmap_ext/util/error.h"
+
+namespace colmap_ext {
+
+// A folder of one test, removed with all its content at the end.
+class TestFolder {
+ public:
+  TestFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "colmap_ext_test_XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw Error("cannot make a folder for the test");
+    path_ = name;
+  }
+  ~TestFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TestFolder(const TestFolder&) = delete;
+  TestFolder& operator=(const TestFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline bool HasColmap() { return !FindProgram("colmap").empty(); }
+
+// Runs `colmap` with these arguments, without display, and expects success.
+inline void RunColmap(const std::vector<std::string>& arguments) {
+  ChildProcessOptions options;
+  options.arguments = {"colmap"};
+  options.arguments.insert(options.arguments.end(), arguments.begin(), arguments.end());
+  options.environment = {{"QT_QPA_PLATFORM", "offscreen"}, {"OMP_WAIT_POLICY", "passive"}};
+  const ChildProcessResult result = RunChildProcess(options, JobControl());
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+}
+
+// The message of the Error that `function` throws; a failed expectation when it throws none.
+template <typename Function>
+std::string ErrorOf(Function&& function) {
+  try {
+    function();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "no error was thrown";
+  return "";
+}
+
+#define EXPECT_ERROR_HAS(statement, text) \
+  EXPECT_THAT(::colmap_ext::ErrorOf([&] { statement; }), ::testing::HasSubstr(text))
+
+}  // namespace colmap_ext

@@ -11,6 +11,8 @@ namespace {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
+constexpr double kProximalWeight = 1e-12;
+
 const Eigen::Vector2d& Corner(const ImageMesh& mesh, int triangle, int k) {
   return mesh
       .vertices_px[static_cast<std::size_t>(mesh.triangles[static_cast<std::size_t>(triangle)][k])];
@@ -89,10 +91,9 @@ FacetSystem::FacetSystem(std::size_t num_triangles, const std::vector<FacetEdge>
       edge_blocks_(edges.size(), Eigen::Matrix3d::Zero()),
       right_side_(num_triangles),
       links_(num_triangles) {
-  constexpr double kPriorWeight = 1e-12;
   for (std::size_t t = 0; t < num_triangles; ++t) {
-    diagonal_[t] = kPriorWeight * Eigen::Matrix3d::Identity();
-    right_side_[t] = Eigen::Vector3d::Constant(kPriorWeight);
+    diagonal_[t] = kProximalWeight * Eigen::Matrix3d::Identity();
+    right_side_[t].setZero();
   }
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const FacetEdge& edge = edges[e];
@@ -169,7 +170,7 @@ bool FacetSystem::Solve(const std::vector<std::uint8_t>& fixed,
   values.reserve(static_cast<std::size_t>(size) * 8);
   for (std::size_t p = 0; p < order.size(); ++p) {
     const auto t = static_cast<std::size_t>(free_triangles[static_cast<std::size_t>(order[p])]);
-    Eigen::Vector3d g = right_side_[t];
+    Eigen::Vector3d g = right_side_[t] + kProximalWeight * (*inverse_depth)[t];
     std::vector<const Link*> above;
     for (const Link& link : links_[t]) {
       const auto other = static_cast<std::size_t>(link.other);

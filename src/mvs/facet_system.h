@@ -26,9 +26,8 @@ std::vector<FacetEdge> CollectEdges(const ImageMesh& mesh, const SuperpixelStere
 // triangle and one an edge.
 class FacetSystem {
  public:
-  // λ_s E_smooth + λ_c E_continuity (paper's equations), and a prior of weight 1e-12 on
-  // inverse depth 1 that keeps H regular where no point decides. E_smooth's rows are divided by
-  // their norm, so that a thin triangle's extrapolation does not outweigh the rest.
+  // λ_s E_smooth + λ_c E_continuity (paper's equations). E_smooth's rows are divided by their norm,
+  // so that a thin triangle's extrapolation does not outweigh the rest.
   FacetSystem(std::size_t num_triangles, const std::vector<FacetEdge>& edges,
               double smoothness_weight, double continuity_weight);
 
@@ -36,7 +35,9 @@ class FacetSystem {
   void Add(const DepthRow& row);
 
   // Minimises the form over the triangles with fixed[t] == 0; the others keep their value in
-  // `inverse_depth`. `fixed` may be empty: none. False when the factorisation fails.
+  // `inverse_depth`. `fixed` may be empty: none. Where no row decides, a proximal term of weight
+  // 1e-12 keeps the given value, which is how the system stays regular; repeated solves lose its
+  // trace. False when the factorisation fails.
   bool Solve(const std::vector<std::uint8_t>& fixed,
              std::vector<Eigen::Vector3d>* inverse_depth) const;
 

@@ -123,6 +123,7 @@ void LinearStereo::Impl::SolveInitially() {
   constexpr double kCauchy = 2.385;        // 95 % efficiency for Gaussian residuals
   const std::vector<DepthRow> plain_rows = sfm_rows;
   std::vector<Eigen::Vector3d>& depth = initial.inverse_depth;
+  depth.assign(depth.size(), Eigen::Vector3d::Ones());
   for (int pass = 0; pass < options.robust_passes; ++pass) {
     const bool is_last = pass + 1 == options.robust_passes;
     const double progress =

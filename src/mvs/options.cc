@@ -39,7 +39,7 @@ std::string SuperpixelOptions::Check() const {
       .In("anchor_offset_px", anchor_offset_px, 0.5, 10)
       .In("anchor_spacing_px", anchor_spacing_px, 2, 100)
       .In("max_anchor_share", max_anchor_share, 0, 1)
-      .In("merge_px", merge_px, 0.1, 2)
+      .In("merge_px", merge_px, 0.1, 4)
       .complaint();
 }
 
@@ -58,7 +58,7 @@ void BindOptions(OptionSet& set, SuperpixelOptions* options) {
   set.Add(section, "max_anchor_share", &options->max_anchor_share,
           "share of polygons that may lie along segments (0 to 1)");
   set.Add(section, "merge_px", &options->merge_px,
-          "vertices joined by a shorter edge become one (px, 0.1 to 2)");
+          "vertices joined by a shorter edge become one (px, 0.1 to 4)");
   set.Add(section, "seed", &options->seed, "seed of the point process in flat areas");
 }
 

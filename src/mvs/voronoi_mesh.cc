@@ -248,6 +248,7 @@ ImageMesh BuildVoronoiMesh(const std::vector<Eigen::Vector2d>& sites_px, int wid
                            double cover_radius_px, double merge_px) {
   const auto points = WithMirrorImages(sites_px, width, height, cover_radius_px + 1.0);
   Delaunay delaunay(points.begin(), points.end());
+  merge_px = std::min(merge_px, 0.25 * std::min(width, height));  // a tiny image keeps its corners
   CellComplex cells = MakeCells(&delaunay, sites_px.size(), width, height);
   for (const auto& face : delaunay.finite_face_handles()) {
     for (int k = 0; k < 3; ++k) {

@@ -13,7 +13,7 @@ struct SuperpixelStereoOptions {
   double smoothness_weight = 0.1;   // λ_s of the paper; (0, 1e6]
   double continuity_weight = 0.02;  // λ_c of the paper; (0, 1e6]
   double color_sigma = 20.0;        // w_c = exp(-(|Δcolour| / σ)² / 2), grey levels; [1, 1000]
-  double min_color_weight = 0.02;  // w_c is never less, so that the system stays well-posed; (0, 1]
+  double min_color_weight = 1e-3;  // w_c is never less, so that the system stays well-posed; (0, 1]
   int robust_passes = 3;           // solves with Cauchy-weighted SfM points; [1, 20]
   double max_support_px = 60.0;  // a triangle further from every SfM point (along the mesh, colour
                                  // edges counting extra) is marked unsupported; [1, 1e6]

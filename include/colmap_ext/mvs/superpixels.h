@@ -24,7 +24,7 @@ struct SuperpixelOptions {
   double anchor_spacing_px = 9.0;  // distance of anchor pairs along a segment; [2, 100]
   // Anchors are at most this share of the polygons, the longest segments first; [0, 1].
   double max_anchor_share = 0.7;
-  double merge_px = 0.75;  // vertices joined by a shorter edge become one; [0.1, 2]
+  double merge_px = 1.5;   // vertices joined by a shorter edge become one; [0.1, 4]
   std::uint64_t seed = 1;  // of the point process in flat areas
 
   std::string Check() const;

@@ -1,0 +1,131 @@
+#include "sim/face_visibility.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+
+#include "colmap_ext/geom/ray_scene.h"
+
+namespace colmap_ext {
+namespace {
+
+constexpr int kRays = 64;
+constexpr int kGroundRays = 24;
+constexpr double kFar = 1e5;      // m: further than any scene
+constexpr double kOffset = 2e-3;  // m: keeps a ray off the face that it starts from
+
+class VisibilityTest {
+ public:
+  VisibilityTest(const TriangleMesh& mesh, const std::vector<int>& object_of_face)
+      : mesh_(mesh), object_of_face_(object_of_face), rays_(mesh) {}
+
+  bool FaceIsVisible(std::size_t face) const {
+    const Eigen::Vector3d normal = FaceNormal(mesh_, face);
+    if (normal.isZero()) return false;
+    const Eigen::Matrix3d rotation = RotationFromZ(normal);
+    const auto& f = mesh_.faces[face];
+    const Eigen::Vector3d a = VertexAt(f[0]), b = VertexAt(f[1]), c = VertexAt(f[2]);
+    const Eigen::Vector3d center = (a + b + c) / 3;
+    for (const Eigen::Vector3d& point : {center, Eigen::Vector3d(center + 0.8 * (a - center)),
+                                         Eigen::Vector3d(center + 0.8 * (b - center)),
+                                         Eigen::Vector3d(center + 0.8 * (c - center))}) {
+      if (PointIsVisible(point + kOffset * normal, rotation)) return true;
+    }
+    return false;
+  }
+
+ private:
+  const Eigen::Vector3d& VertexAt(int i) const {
+    return mesh_.vertices[static_cast<std::size_t>(i)];
+  }
+
+  bool PointIsVisible(const Eigen::Vector3d& point, const Eigen::Matrix3d& rotation) const {
+    for (const auto& local : directions_) {
+      const Eigen::Vector3d direction = rotation * local;
+      const auto hit = rays_.Intersect(point, direction, 0, kFar);
+      if (!hit.has_value()) return true;
+      const auto face = static_cast<std::size_t>(hit->face);
+      if (object_of_face_[face] != kGroundObject) continue;
+      const Eigen::Vector3d normal = FaceNormal(mesh_, face);
+      if (normal.dot(direction) >= 0) continue;  // the ground's back
+      const Eigen::Vector3d at = point + hit->distance_m * direction + kOffset * normal;
+      if (SeesSky(at, RotationFromZ(normal))) return true;
+    }
+    return false;
+  }
+
+  bool SeesSky(const Eigen::Vector3d& point, const Eigen::Matrix3d& rotation) const {
+    for (const auto& local : ground_directions_) {
+      if (!rays_.Intersect(point, rotation * local, 0, kFar).has_value()) return true;
+    }
+    return false;
+  }
+
+  const TriangleMesh& mesh_;
+  const std::vector<int>& object_of_face_;
+  RayScene rays_;
+  std::vector<Eigen::Vector3d> directions_ = HemisphereDirections(kRays, false);
+  std::vector<Eigen::Vector3d> ground_directions_ = HemisphereDirections(kGroundRays, false);
+};
+
+}  // namespace
+
+std::vector<Eigen::Vector3d> HemisphereDirections(int count, bool cosine_weighted) {
+  constexpr double kGoldenAngle = 2.399963229728653;
+  std::vector<Eigen::Vector3d> directions;
+  for (int i = 0; i < count; ++i) {
+    const double t = (i + 0.5) / count;
+    const double z = cosine_weighted ? std::sqrt(1 - t) : 1 - t;
+    const double radius = std::sqrt(1 - z * z);
+    directions.emplace_back(radius * std::cos(kGoldenAngle * i),
+                            radius * std::sin(kGoldenAngle * i), z);
+  }
+  return directions;
+}
+
+Eigen::Matrix3d RotationFromZ(const Eigen::Vector3d& normal) {
+  const Eigen::Vector3d hint =
+      std::abs(normal.x()) < 0.7 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
+  const Eigen::Vector3d y = normal.cross(hint).normalized();
+  Eigen::Matrix3d rotation;
+  rotation << y.cross(normal), y, normal;
+  return rotation;
+}
+
+std::vector<bool> FindVisibleFaces(const TriangleMesh& mesh,
+                                   const std::vector<int>& object_of_face) {
+  const VisibilityTest test(mesh, object_of_face);
+  std::vector<std::uint8_t> visible(mesh.faces.size(), 1);  // not vector<bool>: written in parallel
+  tbb::parallel_for(std::size_t{0}, mesh.faces.size(), [&](std::size_t i) {
+    if (object_of_face[i] != kGroundObject) visible[i] = test.FaceIsVisible(i) ? 1 : 0;
+  });
+  return {visible.begin(), visible.end()};
+}
+
+void KeepFaces(const std::vector<bool>& keep, TexturedScene* scene) {
+  TexturedScene kept;
+  std::vector<int> new_index(scene->mesh.vertices.size(), -1);
+  const bool with_normals = scene->vertex_normals.size() == scene->mesh.vertices.size();
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    if (!keep[i]) continue;
+    Eigen::Vector3i face = scene->mesh.faces[i];
+    for (int k = 0; k < 3; ++k) {
+      const auto old = static_cast<std::size_t>(face[k]);
+      if (new_index[old] < 0) {
+        new_index[old] = static_cast<int>(kept.mesh.vertices.size());
+        kept.mesh.vertices.push_back(scene->mesh.vertices[old]);
+        if (with_normals) kept.vertex_normals.push_back(scene->vertex_normals[old]);
+      }
+      face[k] = new_index[old];
+    }
+    kept.mesh.faces.push_back(face);
+    kept.corner_uv.push_back(scene->corner_uv[i]);
+    kept.material_of_face.push_back(scene->material_of_face[i]);
+    kept.object_of_face.push_back(scene->object_of_face[i]);
+  }
+  kept.materials = std::move(scene->materials);
+  kept.origin = scene->origin;
+  *scene = std::move(kept);
+}
+
+}  // namespace colmap_ext

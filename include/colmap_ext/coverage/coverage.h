@@ -1,0 +1,97 @@
+// Coverage evaluation (paper, Sec. "Coverage Evaluation"): where the photos suffice for a good
+// model.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "colmap_ext/coverage/visibility.h"
+#include "colmap_ext/scene/coverage_map.h"
+#include "colmap_ext/scene/photo.h"
+#include "colmap_ext/scene/surface.h"
+#include "colmap_ext/scene/world_frame.h"
+#include "colmap_ext/util/job_control.h"
+#include "colmap_ext/util/options.h"
+
+namespace colmap_ext {
+
+struct CoverageOptions {
+  // The wanted resolution on the surface, millimetres a pixel, > 0, at the resolution of the photos
+  // that are evaluated (the low one): γ_min = 1 / gsd². A view is good when a pixel covers at most
+  // gsd² of surface, slant included. The default is what 640 x 368 photos of 467 px focal length
+  // give 18 m away; full-resolution photos of the same camera resolve finer by the ratio of the
+  // widths (3 for 1920 px).
+  double ground_sampling_distance_mm = 40;
+  // Good views that a point needs, >= 2 (paper: 2).
+  int min_good_views = 2;
+  // Angle between the rays of a pair of good views, degrees, 0 <= min < max <= 180 (paper: 2, 30).
+  double min_angle_deg = 2;
+  double max_angle_deg = 30;
+  // "Strong signal": sample_spacing_m at most this, metres, >= 0 (0: the ground sampling distance;
+  // one confident point a wanted pixel, from more than one photo, which neither slanting views nor
+  // a single one give).
+  double strong_spacing_m = 0;
+  // Where the points are further apart than this, good views are not believed: photos are there,
+  // yet stereo failed. Metres, >= 0; 0 (the paper): geometry decides.
+  double unsupported_spacing_m = 0;
+  // Distance of the iso-points, metres, >= 0; 0: about 7500 points.
+  double iso_point_spacing_m = 0;
+  std::uint64_t seed = 1;  // of the iso-points
+  // Standard deviation of a match, px, > 0; scales predicted_error_mm. 0.5: piecewise planar
+  // stereo.
+  double matching_sigma_px = 0.5;
+  VisibilityOptions visibility;
+
+  std::string Check() const;
+  // 1 / gsd², px² / m².
+  double MinProjectionRatio() const;
+  // strong_spacing_m, or what stands for it, metres.
+  double StrongSpacing() const;
+};
+
+// Section "Coverage" (the visibility options are in it too).
+void BindOptions(OptionSet& set, CoverageOptions* options);
+
+// The thresholds of an evaluation by option name, for coverage.json.
+std::map<std::string, double> ThresholdsOf(const CoverageOptions& options);
+
+// One photo's view of an iso-point.
+struct ViewOfPoint {
+  Eigen::Vector3d direction;    // unit, from the point to the camera; world
+  double projection_ratio = 0;  // γ, px² / m²; > 0
+};
+
+// Predicted standard deviation (metres, length of the error vector) of a point triangulated from
+// two views whose rays meet at the angle α:
+//
+//   e² = (s1² + s2²) / sin²α + s1² s2² / (s1² + s2²),   s = sigma_px / sqrt(γ)
+//
+// s is what sigma_px pixels cover on the surface, slant included. e² is the trace of the inverse of
+// Σ (I − d dᵀ) / s², the information of two rays that each fix the point across their direction d.
+// Infinite for parallel rays.
+double TriangulationError(const ViewOfPoint& first, const ViewOfPoint& second, double sigma_px);
+
+// The smallest TriangulationError of the pairs of `views` whose angle is at most max_angle_rad
+// (beyond it matching fails); -1 without such a pair. Views more never make it worse.
+double PredictedError(const std::vector<ViewOfPoint>& views, double sigma_px, double max_angle_rad);
+
+// Classifies iso-points of the surface in the paper's order:
+//   outside the region                                   → ignored
+//   strong signal (sample_spacing_m small)               → covered
+//   fewer than min_good_views views with γ > γ_min       → uncovered
+//   no pair of good views with an angle in [min, max]    → uncovered
+//   else                                                 → covered
+// A view of a point is one that VisibilityEngine passes. A surface whose sample_spacing_m is empty
+// has no signal: that stage is skipped. predicted_error_mm uses all views of the point, good or
+// not.
+//
+// With the same surface, a photo more never turns a covered point uncovered. Parallel over points;
+// same input, same map, whatever the number of threads. Throws UsageError for wrong options, Error
+// for a surface without area.
+CoverageMap EvaluateCoverage(const Surface& surface, const std::vector<PosedPhoto>& photos,
+                             const RegionOfInterest& region, const CoverageOptions& options,
+                             const JobControl& job);
+
+}  // namespace colmap_ext

@@ -1,0 +1,83 @@
+#include "colmap_ext/coverage/iso_points.h"
+
+#include <gtest/gtest.h>
+
+#include "colmap_ext/util/error.h"
+#include "coverage/test_scene.h"
+
+namespace colmap_ext {
+namespace {
+
+double SmallestDistance(const std::vector<IsoPoint>& points) {
+  double smallest = 1e9;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t j = i + 1; j < points.size(); ++j) {
+      smallest = std::min(smallest, (points[i].position - points[j].position).norm());
+    }
+  }
+  return smallest;
+}
+
+TEST(SampleIsoPoints, KeepTheirDistanceAndShareTheArea) {
+  const IsoPoints iso = SampleIsoPoints(Wall(), 0.25, 1);
+  EXPECT_EQ(iso.spacing_m, 0.25);
+  EXPECT_GE(SmallestDistance(iso.points), 0.25);
+  EXPECT_NEAR(iso.disk_area_m2 * static_cast<double>(iso.points.size()), 60.0, 1e-9);
+  // A maximal sampling has about 0.7 points per squared distance.
+  EXPECT_NEAR(static_cast<double>(iso.points.size()) * 0.25 * 0.25 / 60.0, 0.7, 0.1);
+  for (const IsoPoint& point : iso.points) {
+    EXPECT_NEAR(point.position.y(), 0, 1e-12);
+    EXPECT_NEAR((point.normal - Eigen::Vector3d(0, -1, 0)).norm(), 0, 1e-12);
+  }
+}
+
+TEST(SampleIsoPoints, AutomaticSpacingGivesFiveToTenThousand) {
+  for (const double radius : {0.5, 20.0}) {
+    Surface surface;
+    surface.mesh = Ball({0, 0, 0}, radius, 40);
+    const IsoPoints iso = SampleIsoPoints(surface, 0, 1);
+    EXPECT_GT(iso.points.size(), 5000U);
+    EXPECT_LT(iso.points.size(), 10000U);
+  }
+}
+
+TEST(SampleIsoPoints, SignalIsInterpolatedOnTheFace) {
+  Surface surface = Wall();
+  for (const Eigen::Vector3d& vertex : surface.mesh.vertices) {
+    surface.sample_spacing_m.push_back(1 + 0.1 * vertex.x() + 0.02 * vertex.z());
+  }
+  for (const IsoPoint& point : SampleIsoPoints(surface, 0.3, 1).points) {
+    EXPECT_NEAR(point.sample_spacing_m, 1 + 0.1 * point.position.x() + 0.02 * point.position.z(),
+                1e-9);
+  }
+}
+
+TEST(SampleIsoPoints, WithoutSignalThereIsNoSupport) {
+  for (const IsoPoint& point : SampleIsoPoints(Wall(), 1, 1).points) {
+    EXPECT_NEAR(point.sample_spacing_m, std::sqrt(136.0), 1e-9);
+  }
+}
+
+TEST(SampleIsoPoints, SameSeedSamePoints) {
+  const IsoPoints a = SampleIsoPoints(Wall(), 0.3, 5), b = SampleIsoPoints(Wall(), 0.3, 5);
+  const IsoPoints c = SampleIsoPoints(Wall(), 0.3, 6);
+  ASSERT_EQ(a.points.size(), b.points.size());
+  for (std::size_t i = 0; i < a.points.size(); ++i) {
+    EXPECT_EQ(a.points[i].position, b.points[i].position);
+  }
+  EXPECT_NE(a.points[0].position, c.points[0].position);
+}
+
+TEST(SampleIsoPoints, BadSurfacesAreRefused) {
+  EXPECT_THROW(SampleIsoPoints(Surface(), 0, 1), Error);
+  Surface flat;
+  flat.mesh.vertices.assign(3, Eigen::Vector3d::Zero());
+  flat.mesh.faces.emplace_back(0, 1, 2);
+  EXPECT_THROW(SampleIsoPoints(flat, 0, 1), Error);
+  Surface wrong = Wall();
+  wrong.sample_spacing_m = {1, 2, 3};
+  EXPECT_THROW(SampleIsoPoints(wrong, 0, 1), Error);
+}
+
+}  // namespace
+}  // namespace colmap_ext

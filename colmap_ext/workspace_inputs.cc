@@ -1,0 +1,66 @@
+#include "workspace_inputs.h"
+
+#include "colmap_ext/scene/json_file.h"
+#include "colmap_ext/scene/photo_scale.h"
+#include "colmap_ext/scene/reconstruction_io.h"
+#include "colmap_ext/session/session_options.h"
+#include "colmap_ext/util/error.h"
+
+namespace colmap_ext {
+
+namespace fs = std::filesystem;
+
+IterationFiles LatestIterationFiles(const Workspace& workspace) {
+  const std::optional<int> latest = workspace.LatestIteration();
+  if (!latest) {
+    throw Error(workspace.root().string() +
+                ": no iteration with a sparse model; run active_capture or sparse_updater first");
+  }
+  return {workspace.iteration(*latest)};
+}
+
+void TakeSessionOptions(const Workspace& workspace, OptionSet* set) {
+  if (fs::exists(workspace.session_ini())) set->ParseIniFile(workspace.session_ini());
+}
+
+int SessionImageWidth(const Workspace& workspace) {
+  StageOptions options;
+  OptionSet set;
+  BindOptions(set, &options);
+  TakeSessionOptions(workspace, &set);
+  return options.session.max_image_size_px;
+}
+
+PhotoSet LoadPosesOnly(const fs::path& sparse_path, int max_width_px) {
+  PhotoSet photos = LoadPhotoSet(ReadReconstruction(sparse_path), "", false);
+  DownscalePhotos(max_width_px, &photos);
+  return photos;
+}
+
+RegionOfInterest RegionOfWorkspace(const Workspace& workspace, const RegionOptions& options) {
+  ThrowIfInvalid(options.Check());
+  if (!options.box.empty()) return {ParseBox(options.box)};
+  if (fs::exists(workspace.state_json())) {
+    const Json json = ReadJsonFile(workspace.state_json());
+    const JsonNode root(json, workspace.state_json());
+    if (const auto region = root.Find("region")) {
+      return {BoundingBox((*region)["min_enu_m"].Vector(), (*region)["max_enu_m"].Vector())};
+    }
+  }
+  const IterationFiles first{workspace.iteration(0)};
+  const IterationFiles files = fs::exists(first.sparse()) ? first : LatestIterationFiles(workspace);
+  return DefaultRegion(LoadPosesOnly(files.sparse(), SessionImageWidth(workspace)),
+                       FrameOrMetric(files.frame_json()), options);
+}
+
+WorldFrame FrameOrMetric(const fs::path& frame_json) {
+  return fs::exists(frame_json) ? ReadWorldFrame(frame_json) : WorldFrame{true, std::nullopt};
+}
+
+void RecordStageCost(const fs::path& timing_json, const std::string& stage, const StageCost& cost) {
+  Json json = fs::exists(timing_json) ? ReadJsonFile(timing_json) : Json::object();
+  json[stage] = {{"wall_s", cost.wall_s}, {"cpu_s", cost.cpu_s}, {"peak_mib", cost.peak_mib}};
+  WriteJsonFile(json, timing_json);
+}
+
+}  // namespace colmap_ext

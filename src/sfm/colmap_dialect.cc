@@ -35,6 +35,7 @@ bool OnlyTunes(const std::string& option) {
   static const std::set<std::string> tuning = {
       "random_seed",
       "Mapper.extract_colors",
+      "Mapper.num_threads",
       "Mapper.ba_global_images_ratio",
       "Mapper.ba_global_images_freq",
       "Mapper.ba_global_points_ratio",

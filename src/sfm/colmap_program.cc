@@ -44,6 +44,12 @@ std::string Trimmed(const std::string& line) {
   return line.substr(begin, line.find_last_not_of(" \t\r") - begin + 1);
 }
 
+std::string FailureText(const std::string& command, const ColmapRun& run,
+                        const std::filesystem::path& log_path) {
+  return "`colmap " + command + "` failed with exit code " + std::to_string(run.exit_code) +
+         ": \"" + run.message + "\"; full output: " + log_path.string();
+}
+
 }  // namespace
 
 std::string LastMeaningfulLine(const std::string& output) {
@@ -73,8 +79,8 @@ ColmapProgram::ColmapProgram(const std::filesystem::path& colmap_path)
   });
 }
 
-ColmapRun ColmapProgram::Run(const std::string& command, const ColmapOptions& options,
-                             const std::filesystem::path& log_path, const JobControl& job) {
+ColmapRun ColmapProgram::RunAnyway(const std::string& command, const ColmapOptions& options,
+                                   const std::filesystem::path& log_path, const JobControl& job) {
   ChildProcessOptions child;
   child.environment = ColmapEnvironment();
   child.log_path = log_path;
@@ -83,12 +89,20 @@ ColmapRun ColmapProgram::Run(const std::string& command, const ColmapOptions& op
     child.arguments.push_back(std::move(argument));
   }
   const ChildProcessResult result = RunChildProcess(child, job);
-  if (result.exit_code != 0) {
-    throw Error("`colmap " + command + "` failed with exit code " +
-                std::to_string(result.exit_code) + ": \"" + LastMeaningfulLine(result.output) +
-                "\"; full output: " + log_path.string());
-  }
-  return {result.wall_s, result.cpu_s};
+  return {result.exit_code, LastMeaningfulLine(result.output)};
+}
+
+void ColmapProgram::Run(const std::string& command, const ColmapOptions& options,
+                        const std::filesystem::path& log_path, const JobControl& job) {
+  const ColmapRun run = RunAnyway(command, options, log_path, job);
+  if (run.exit_code != 0) throw Error(FailureText(command, run, log_path));
+}
+
+ColmapRun ColmapProgram::TryRun(const std::string& command, const ColmapOptions& options,
+                                const std::filesystem::path& log_path, const JobControl& job) {
+  const ColmapRun run = RunAnyway(command, options, log_path, job);
+  if (run.exit_code > 1) throw Error(FailureText(command, run, log_path));
+  return run;
 }
 
 }  // namespace colmap_ext

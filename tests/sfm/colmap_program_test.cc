@@ -72,6 +72,16 @@ TEST_F(ColmapProgramTest, NamesTheErrorAndTheLogWhenTheProgramFails) {
   EXPECT_EQ(message.find('\n'), std::string::npos);
 }
 
+TEST_F(ColmapProgramTest, LetsTheCallerJudgeAFailureButNotACrash) {
+  ColmapProgram program(FakeColmap("echo 'ERROR: no model'; exit 1"));
+  const ColmapRun run = program.TryRun("mapper", {}, folder_ / "log", {});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.message, "ERROR: no model");
+  ColmapProgram crashing(FakeColmap("kill -SEGV $$"));
+  EXPECT_NE(MessageOf([&] { crashing.TryRun("mapper", {}, folder_ / "log", {}); }).find("139"),
+            std::string::npos);
+}
+
 TEST_F(ColmapProgramTest, FindsTheRealColmapOnThePath) {
   ColmapProgram program("");
   EXPECT_TRUE(program.dialect().HasCommand("mapper"));

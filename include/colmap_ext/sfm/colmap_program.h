@@ -10,10 +10,10 @@
 
 namespace colmap_ext {
 
-// What one run of a subcommand cost.
+// How one run of a subcommand ended.
 struct ColmapRun {
-  double wall_s = 0;
-  double cpu_s = 0;
+  int exit_code = 0;
+  std::string message;  // the last meaningful line of its output
 };
 
 class ColmapProgram {
@@ -26,13 +26,22 @@ class ColmapProgram {
   ColmapDialect& dialect() { return *dialect_; }
 
   // Runs `colmap <command>` with `options` (3.8's spelling, see ColmapDialect), without a display
-  // and without spinning OpenMP threads. Output is appended to `log_path`. Throws Error with the
-  // last meaningful line of the output and the log's path when the exit code is not 0, and
-  // CancelledError when `job` is cancelled.
-  ColmapRun Run(const std::string& command, const ColmapOptions& options,
-                const std::filesystem::path& log_path, const JobControl& job);
+  // and without spinning OpenMP threads. Output is appended to `log_path`. Throws Error when the
+  // exit code is not 0, with the last meaningful line of the output and the log's path, and
+  // CancelledError when `job` is cancelled. May be called from several threads once the command's
+  // options were asked for.
+  void Run(const std::string& command, const ColmapOptions& options,
+           const std::filesystem::path& log_path, const JobControl& job);
+
+  // The same for a command whose failure (exit code 1) is an answer: the caller looks at the
+  // result. Throws Error for any other exit code.
+  ColmapRun TryRun(const std::string& command, const ColmapOptions& options,
+                   const std::filesystem::path& log_path, const JobControl& job);
 
  private:
+  ColmapRun RunAnyway(const std::string& command, const ColmapOptions& options,
+                      const std::filesystem::path& log_path, const JobControl& job);
+
   std::filesystem::path path_;
   std::unique_ptr<ColmapDialect> dialect_;
 };

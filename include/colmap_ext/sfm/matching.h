@@ -6,9 +6,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "colmap_ext/scene/database.h"
 #include "colmap_ext/sfm/pairing.h"
 #include "colmap_ext/util/job_control.h"
 #include "colmap_ext/util/options.h"
@@ -33,9 +33,6 @@ struct DescriptorView {
   const std::uint8_t* bytes = nullptr;
   int count = 0;
 };
-
-// Keypoint indices in the first and in the second photo.
-using KeypointMatch = std::pair<std::uint32_t, std::uint32_t>;
 
 // Matches of two photos, sorted by the first index, which occurs once. Throws UsageError for
 // invalid options.

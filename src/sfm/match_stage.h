@@ -1,0 +1,35 @@
+// Matches by our own matcher, geometric verification by COLMAP's.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <vector>
+
+#include "colmap_ext/scene/database.h"
+#include "colmap_ext/sfm/colmap_program.h"
+#include "colmap_ext/sfm/sparse_update.h"
+
+namespace colmap_ext {
+
+struct PairMatches {
+  ImagePair pair;
+  std::vector<KeypointMatch> matches;
+};
+
+// Matches the pairs by the descriptors of the database. Result i belongs to pair i.
+std::vector<PairMatches> MatchImagePairs(const Database& database,
+                                         const std::vector<ImagePair>& pairs,
+                                         const MatchingOptions& options, const JobControl& job);
+
+// Verifies the matches by `colmap matches_importer` and stores both in the database at
+// `database_path`, in one transaction. COLMAP draws its random samples from one sequence for all
+// pairs of a run, so the pairs are split into runs of a fixed size: the same result on every
+// machine, and several runs at once. `empty_database` is one without photos, `work_path` gets the
+// runs' temporary files.
+void VerifyAndStore(const std::vector<PairMatches>& all_matches,
+                    const std::filesystem::path& database_path,
+                    const std::filesystem::path& empty_database,
+                    const std::filesystem::path& work_path, ColmapProgram* colmap,
+                    const JobControl& job);
+
+}  // namespace colmap_ext

@@ -1,0 +1,132 @@
+#include "view_places.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace colmap_ext {
+namespace {
+
+Eigen::Vector3d OpticalAxis(const Rigid3d& cam_from_world) {
+  return cam_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+}
+
+std::optional<Eigen::Vector3d> AxisFromMetadata(const PhotoMetadata& metadata) {
+  if (!metadata.yaw_rad || !metadata.pitch_rad) return std::nullopt;
+  return DirectionInWorld({*metadata.yaw_rad, *metadata.pitch_rad});
+}
+
+// Poses of the given model by name, when they are in the same frame as the catalog's positions.
+std::map<std::string, Rigid3d> TrustedPoses(const SparseUpdateInput& input,
+                                            const PhotoCatalog& catalog) {
+  std::map<std::string, Rigid3d> poses;
+  if (input.model == nullptr || !input.frame.is_metric_enu) return poses;
+  const bool same_frame = input.frame.origin.has_value() == catalog.origin.has_value();
+  if (!same_frame) return poses;
+  for (const auto& [id, image] : input.model->images) poses[image.name] = image.cam_from_world;
+  return poses;
+}
+
+std::vector<PhotoPlace> PlacesOf(const SparseUpdateInput& input, const PhotoCatalog& catalog) {
+  const std::map<std::string, Rigid3d> poses = TrustedPoses(input, catalog);
+  std::vector<PhotoPlace> places;
+  for (const CatalogPhoto& photo : catalog.photos) {
+    PhotoPlace place;
+    const auto pose = poses.find(photo.name);
+    if (pose != poses.end()) {
+      place.position_m = CameraCenter(pose->second);
+      place.optical_axis = OpticalAxis(pose->second);
+    } else {
+      place.position_m = photo.position_in_world;
+      place.optical_axis = AxisFromMetadata(photo.metadata);
+    }
+    places.push_back(place);
+  }
+  return places;
+}
+
+}  // namespace
+
+std::vector<ImagePair> ChooseImagePairs(const Database& database, const PhotoCatalog& catalog,
+                                        const SparseUpdateInput& input,
+                                        const PairingOptions& options) {
+  std::map<std::string, ImageId> id_of_name;
+  for (const auto& [id, image] : database.ReadImages()) id_of_name[image.name] = id;
+  std::vector<ImageId> ids;
+  std::map<ImageId, int> index_of_id;
+  for (const CatalogPhoto& photo : catalog.photos) {
+    ids.push_back(id_of_name.at(photo.name));
+    index_of_id[ids.back()] = static_cast<int>(ids.size()) - 1;
+  }
+  std::set<ImagePair> known;
+  for (const auto& [pair, count] : database.NumMatches()) known.insert(pair);
+  for (const auto& [pair, summary] : database.TwoViewSummaries()) known.insert(pair);
+  std::vector<bool> is_new(ids.size(), true);
+  std::set<PhotoPair> existing;
+  for (const ImagePair& pair : known) {
+    const auto first = index_of_id.find(pair.first), second = index_of_id.find(pair.second);
+    for (const auto& found : {first, second}) {
+      if (found != index_of_id.end()) is_new[static_cast<std::size_t>(found->second)] = false;
+    }
+    if (first == index_of_id.end() || second == index_of_id.end()) continue;
+    existing.insert(
+        {std::min(first->second, second->second), std::max(first->second, second->second)});
+  }
+  std::vector<ImagePair> pairs;
+  for (const PhotoPair& pair : ChoosePairs(PlacesOf(input, catalog), is_new, existing, options)) {
+    const ImageId a = ids[static_cast<std::size_t>(pair.first)];
+    const ImageId b = ids[static_cast<std::size_t>(pair.second)];
+    pairs.emplace_back(std::min(a, b), std::max(a, b));
+  }
+  return pairs;
+}
+
+std::vector<MeasuredCamera> MeasuredCamerasOf(const Reconstruction& model,
+                                              const PhotoCatalog& catalog) {
+  std::map<std::string, Rigid3d> poses;
+  for (const auto& [id, image] : model.images) poses[image.name] = image.cam_from_world;
+  std::vector<MeasuredCamera> cameras;
+  for (const CatalogPhoto& photo : catalog.photos) {
+    const auto pose = poses.find(photo.name);
+    if (pose == poses.end() || !photo.position_in_world) continue;
+    cameras.push_back({photo.name, pose->second, *photo.position_in_world});
+  }
+  return cameras;
+}
+
+std::vector<Eigen::Vector3d> OpticalAxes(const Reconstruction& model) {
+  std::vector<Eigen::Vector3d> axes;
+  for (const auto& [id, image] : model.images) axes.push_back(OpticalAxis(image.cam_from_world));
+  return axes;
+}
+
+bool AllLookOneWay(const std::vector<Eigen::Vector3d>& axes) {
+  const double min_cosine = std::cos(DegToRad(15));
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& axis : axes) sum += axis;
+  return std::all_of(axes.begin(), axes.end(), [&](const Eigen::Vector3d& axis) {
+    return axis.dot(sum.normalized()) >= min_cosine;
+  });
+}
+
+bool AllFocalsKnown(const PhotoCatalog& catalog) {
+  return std::all_of(catalog.photos.begin(), catalog.photos.end(),
+                     [](const CatalogPhoto& photo) { return photo.metadata.focal_px.has_value(); });
+}
+
+bool RefineIntrinsics(const SparseUpdateOptions& options, const SparseUpdateInput& input,
+                      const PhotoCatalog& catalog) {
+  if (options.refine_intrinsics >= 0) return options.refine_intrinsics == 1;
+  if (input.camera) return false;
+  if (!AllFocalsKnown(catalog)) return true;
+  std::vector<Eigen::Vector3d> axes;
+  for (const CatalogPhoto& photo : catalog.photos) {
+    const std::optional<Eigen::Vector3d> axis = AxisFromMetadata(photo.metadata);
+    if (!axis) return true;  // unknown: look at the model afterwards
+    axes.push_back(*axis);
+  }
+  return !AllLookOneWay(axes);
+}
+
+}  // namespace colmap_ext

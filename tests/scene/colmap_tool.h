@@ -59,7 +59,9 @@ std::string ErrorOf(Function&& function) {
   return "";
 }
 
-#define EXPECT_ERROR_HAS(statement, text) \
-  EXPECT_THAT(::colmap_ext::ErrorOf([&] { statement; }), ::testing::HasSubstr(text))
+#define EXPECT_HAS(text, part) \
+  EXPECT_PRED_FORMAT2(::testing::IsSubstring, std::string(part), std::string(text))
+#define EXPECT_ERROR_HAS(statement, part) \
+  EXPECT_HAS(::colmap_ext::ErrorOf([&] { statement; }), part)
 
 }  // namespace colmap_ext

@@ -1,6 +1,5 @@
 #include "colmap_ext/scene/dense_map.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstring>

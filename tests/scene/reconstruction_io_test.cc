@@ -1,6 +1,5 @@
 #include "colmap_ext/scene/reconstruction_io.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,8 +16,6 @@ namespace colmap_ext {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
-
 // Bit for bit: what comes back from a file is what went in.
 // COLMAP normalises rotations again, which may change their last bit.
 void ExpectSame(const Reconstruction& a, const Reconstruction& b, double rotation_tolerance = 0) {
@@ -163,7 +160,7 @@ TEST_P(TruncatedModel, IsAnErrorAtEveryByteAndNamesTheModel) {
   for (std::size_t size = content.size(); size-- > 0;) {
     fs::resize_file(path, size);
     const std::string message = ErrorOf([&] { ReadReconstruction(folder / "model"); });
-    EXPECT_THAT(message, HasSubstr((folder / "model").string())) << size;
+    EXPECT_HAS(message, (folder / "model").string()) << size;
   }
   WriteRaw(path, content + "\xff");
   EXPECT_ERROR_HAS(ReadReconstruction(folder / "model"), name);
@@ -189,7 +186,7 @@ TEST_P(TruncatedModel, DamagedBytesNeverCrash) {
     try {
       CheckConsistency(ReadReconstruction(folder / "model"), "model");
     } catch (const Error& error) {
-      EXPECT_THAT(error.what(), HasSubstr((folder / "model").string()));
+      EXPECT_HAS(error.what(), (folder / "model").string());
     }
     file.seekp(offset).put(content[static_cast<std::size_t>(offset)]).flush();
   }
@@ -203,8 +200,8 @@ TEST(ReconstructionIO, HugeCountsAreErrorsAtTheirByte) {
     WriteReconstructionBinary(MakeSparseModel(), folder / "model");
     Patch<std::uint64_t>(folder / "model" / file, offset, std::uint64_t{1} << 61);
     const std::string message = ErrorOf([&] { ReadReconstruction(folder / "model"); });
-    EXPECT_THAT(message, HasSubstr(std::string(file) + ": byte " + std::to_string(offset)));
-    EXPECT_THAT(message, HasSubstr(what));
+    EXPECT_HAS(message, std::string(file) + ": byte " + std::to_string(offset));
+    EXPECT_HAS(message, what);
   };
   expect_error("cameras.bin", 0, "the number of cameras");
   expect_error("images.bin", 0, "the number of images");
@@ -228,8 +225,8 @@ TEST(ReconstructionIO, UnknownCameraModelIsNamedWithItsFile) {
   WriteReconstructionBinary(MakeSparseModel(), folder / "model");
   Patch<std::int32_t>(folder / "model/cameras.bin", 8 + 4, 17);
   const std::string message = ErrorOf([&] { ReadReconstruction(folder / "model"); });
-  EXPECT_THAT(message, HasSubstr("cameras.bin"));
-  EXPECT_THAT(message, HasSubstr("unknown camera model id 17"));
+  EXPECT_HAS(message, "cameras.bin");
+  EXPECT_HAS(message, "unknown camera model id 17");
 }
 
 TEST(ReconstructionIO, AbsurdImageSizeIsAnError) {

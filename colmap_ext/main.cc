@@ -29,6 +29,9 @@ struct Command {
 constexpr std::array kCommands = {
     Command{"active_capture", "the whole loop: photos, model, coverage, next views, flight",
             RunActiveCapture},
+    Command{"model_evaluator", "error, completeness and accuracy against a ground truth",
+            RunModelEvaluator},
+    Command{"report_generator", "the offline page of a session, made anew", RunReportGenerator},
 };
 
 // Turns SIGINT and SIGTERM into a flag that stages look at; a second one ends the process at once.

@@ -43,6 +43,22 @@ std::vector<SurfaceSample> SamplesInBox(const TriangleMesh& mesh, const Bounding
   return samples;
 }
 
+// The index must not be empty.
+std::vector<double> Distances(const std::vector<Eigen::Vector3d>& points,
+                              const ClosestPointIndex& index) {
+  std::vector<double> distances(points.size());
+  tbb::parallel_for(std::size_t{0}, points.size(),
+                    [&](std::size_t i) { distances[i] = index.Find(points[i])->distance; });
+  return distances;
+}
+
+std::vector<Eigen::Vector3d> PositionsOf(const std::vector<SurfaceSample>& samples) {
+  std::vector<Eigen::Vector3d> positions;
+  positions.reserve(samples.size());
+  for (const SurfaceSample& sample : samples) positions.push_back(sample.position);
+  return positions;
+}
+
 // Points of the model that are judged: samples of its surface, or its vertices when it is a cloud.
 std::vector<Eigen::Vector3d> ModelPointsInBox(const TriangleMesh& model, const BoundingBox& box,
                                               const EvaluationOptions& options) {
@@ -51,19 +67,9 @@ std::vector<Eigen::Vector3d> ModelPointsInBox(const TriangleMesh& model, const B
     std::copy_if(model.vertices.begin(), model.vertices.end(), std::back_inserter(points),
                  [&](const Eigen::Vector3d& vertex) { return box.contains(vertex); });
   } else {
-    for (const SurfaceSample& s : SamplesInBox(model, box, options)) points.push_back(s.position);
+    points = PositionsOf(SamplesInBox(model, box, options));
   }
   return points;
-}
-
-template <typename GetPosition>
-std::vector<double> Distances(const ClosestPointIndex& index, std::size_t count,
-                              const GetPosition& position) {
-  std::vector<double> distances(count);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-    distances[i] = index.Find(position(i))->distance;  // the index is not empty: always found
-  });
-  return distances;
 }
 
 double ShareBelow(const std::vector<double>& distances, double threshold) {
@@ -210,15 +216,11 @@ EvaluationResult EvaluateModel(const TriangleMesh& model, const TriangleMesh& tr
   job.ThrowIfCancelled();
   const auto model_index = to_vertices ? ClosestPointIndex::OfPoints(model.vertices)
                                        : ClosestPointIndex::OfSurface(model);
-  result.truth_error_m = Distances(
-      model_index, result.truth_samples.size(),
-      [&](std::size_t i) -> const Eigen::Vector3d& { return result.truth_samples[i].position; });
+  result.truth_error_m = Distances(PositionsOf(result.truth_samples), model_index);
   job.Progress("evaluation", 1, 2);
   job.ThrowIfCancelled();
   result.model_samples = ModelPointsInBox(model, box, options);
-  result.model_error_m =
-      Distances(ClosestPointIndex::OfSurface(truth), result.model_samples.size(),
-                [&](std::size_t i) -> const Eigen::Vector3d& { return result.model_samples[i]; });
+  result.model_error_m = DistancesToSurface(result.model_samples, truth);
   job.Progress("evaluation", 2, 2);
 
   const double no_cap = std::numeric_limits<double>::infinity();
@@ -231,6 +233,12 @@ EvaluationResult EvaluateModel(const TriangleMesh& model, const TriangleMesh& tr
     result.scores.push_back(Score(threshold_m, result));
   }
   return result;
+}
+
+std::vector<double> DistancesToSurface(const std::vector<Eigen::Vector3d>& points,
+                                       const TriangleMesh& mesh) {
+  if (mesh.faces.empty()) throw Error("distances to a surface: the mesh has no faces");
+  return Distances(points, ClosestPointIndex::OfSurface(mesh));
 }
 
 ModelAlignment AlignModel(const TriangleMesh& model, const TriangleMesh& truth,

@@ -75,6 +75,11 @@ EvaluationResult EvaluateModel(const TriangleMesh& model, const TriangleMesh& tr
                                const EvaluationOptions& options, const JobControl& job,
                                const std::optional<BoundingBox>& region = std::nullopt);
 
+// Distance of each point to the nearest point of the mesh's surface. Throws Error when the mesh has
+// no faces.
+std::vector<double> DistancesToSurface(const std::vector<Eigen::Vector3d>& points,
+                                       const TriangleMesh& mesh);
+
 // What was done before EvaluateModel to bring the model into the truth's frame.
 struct ModelAlignment {
   Sim3d truth_from_model;

@@ -275,11 +275,11 @@ void AddOutdoorGround(std::uint32_t seed, const GroundMasks& masks, SceneBuilder
   const Painter painter = Ground(seed, masks);
   const auto square = [](double half) { return RectanglePolygon(-half, -half, half, half); };
   builder->SetObject(kGroundObject);
-  builder->AddRectangle(builder->AddMaterial("ground_near", 0.02, painter), flat.Moved(-22, -22),
+  builder->AddRectangle(builder->AddMaterial("ground_near", 0.022, painter), flat.Moved(-22, -22),
                         44, 44, 0.55);
-  builder->AddPolygon(builder->AddMaterial("ground", 0.04, painter), flat, square(40), {square(22)},
+  builder->AddPolygon(builder->AddMaterial("ground", 0.05, painter), flat, square(40), {square(22)},
                       3);
-  builder->AddPolygon(builder->AddMaterial("ground_far", 0.25, Meadow(seed)), flat, square(200),
+  builder->AddPolygon(builder->AddMaterial("ground_far", 0.3, Meadow(seed)), flat, square(200),
                       {square(40)}, 30);
 }
 

@@ -2,33 +2,40 @@
 
 #include <tbb/parallel_for.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
 
 #include "colmap_ext/geom/ray_scene.h"
 
 namespace colmap_ext {
 namespace {
 
-constexpr int kRays = 64;
-constexpr int kGroundRays = 24;
+constexpr int kRays = 48;
+constexpr int kGroundRays = 16;
 constexpr double kFar = 1e5;      // m: further than any scene
 constexpr double kOffset = 2e-3;  // m: keeps a ray off the face that it starts from
+
+// What the corners and the centre of a ground face see.
+enum class GroundView : std::uint8_t { kNoSky, kSomeSky, kSky };
 
 class VisibilityTest {
  public:
   VisibilityTest(const TriangleMesh& mesh, const std::vector<int>& object_of_face)
-      : mesh_(mesh), object_of_face_(object_of_face), rays_(mesh) {}
+      : mesh_(mesh),
+        object_of_face_(object_of_face),
+        rays_(mesh),
+        ground_view_(mesh.faces.size(), GroundView::kNoSky) {
+    tbb::parallel_for(std::size_t{0}, mesh.faces.size(), [&](std::size_t i) {
+      if (object_of_face_[i] == kGroundObject) ground_view_[i] = ViewOfGround(i);
+    });
+  }
 
   bool FaceIsVisible(std::size_t face) const {
     const Eigen::Vector3d normal = FaceNormal(mesh_, face);
     if (normal.isZero()) return false;
     const Eigen::Matrix3d rotation = RotationFromZ(normal);
-    const auto& f = mesh_.faces[face];
-    const Eigen::Vector3d a = VertexAt(f[0]), b = VertexAt(f[1]), c = VertexAt(f[2]);
-    const Eigen::Vector3d center = (a + b + c) / 3;
-    for (const Eigen::Vector3d& point : {center, Eigen::Vector3d(center + 0.8 * (a - center)),
-                                         Eigen::Vector3d(center + 0.8 * (b - center)),
-                                         Eigen::Vector3d(center + 0.8 * (c - center))}) {
+    for (const Eigen::Vector3d& point : PointsOf(face)) {
       if (PointIsVisible(point + kOffset * normal, rotation)) return true;
     }
     return false;
@@ -39,6 +46,25 @@ class VisibilityTest {
     return mesh_.vertices[static_cast<std::size_t>(i)];
   }
 
+  // Three points a little inside the corners, and the centre.
+  std::array<Eigen::Vector3d, 4> PointsOf(std::size_t face) const {
+    const auto& f = mesh_.faces[face];
+    const Eigen::Vector3d a = VertexAt(f[0]), b = VertexAt(f[1]), c = VertexAt(f[2]);
+    const Eigen::Vector3d center = (a + b + c) / 3;
+    return {center, center + 0.8 * (a - center), center + 0.8 * (b - center),
+            center + 0.8 * (c - center)};
+  }
+
+  GroundView ViewOfGround(std::size_t face) const {
+    const Eigen::Vector3d normal = FaceNormal(mesh_, face);
+    if (normal.isZero()) return GroundView::kNoSky;
+    int open = 0;
+    for (const Eigen::Vector3d& point : PointsOf(face)) {
+      if (SeesSky(point + kOffset * normal, RotationFromZ(normal))) ++open;
+    }
+    return open == 0 ? GroundView::kNoSky : open == 4 ? GroundView::kSky : GroundView::kSomeSky;
+  }
+
   bool PointIsVisible(const Eigen::Vector3d& point, const Eigen::Matrix3d& rotation) const {
     for (const auto& local : directions_) {
       const Eigen::Vector3d direction = rotation * local;
@@ -46,8 +72,10 @@ class VisibilityTest {
       if (!hit.has_value()) return true;
       const auto face = static_cast<std::size_t>(hit->face);
       if (object_of_face_[face] != kGroundObject) continue;
+      if (ground_view_[face] == GroundView::kNoSky) continue;
       const Eigen::Vector3d normal = FaceNormal(mesh_, face);
       if (normal.dot(direction) >= 0) continue;  // the ground's back
+      if (ground_view_[face] == GroundView::kSky) return true;
       const Eigen::Vector3d at = point + hit->distance_m * direction + kOffset * normal;
       if (SeesSky(at, RotationFromZ(normal))) return true;
     }
@@ -66,6 +94,7 @@ class VisibilityTest {
   RayScene rays_;
   std::vector<Eigen::Vector3d> directions_ = HemisphereDirections(kRays, false);
   std::vector<Eigen::Vector3d> ground_directions_ = HemisphereDirections(kGroundRays, false);
+  std::vector<GroundView> ground_view_;
 };
 
 }  // namespace

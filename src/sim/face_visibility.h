@@ -8,7 +8,7 @@
 namespace colmap_ext {
 
 // True for faces that see the sky, or see ground that sees the sky, along at least one of a fixed
-// set of rays from four of their points (about 250 rays a face; what all of them miss is hidden for
+// set of rays from four of their points (about 200 rays a face; what all of them miss is hidden for
 // practical purposes). Ground faces are always true.
 std::vector<bool> FindVisibleFaces(const TriangleMesh& mesh,
                                    const std::vector<int>& object_of_face);

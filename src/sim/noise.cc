@@ -1,5 +1,6 @@
 #include "sim/noise.h"
 
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -9,16 +10,33 @@ namespace {
 float Fade(float t) { return t * t * (3 - 2 * t); }
 float Mix(float a, float b, float t) { return a + (b - a) * t; }
 
-// The three products of a lattice point's hash are shared by the corners of a cell, and the
-// finishing is light: textures evaluate this some 10^9 times.
-constexpr std::uint32_t kPrimeX = 0x9e3779b1U, kPrimeY = 0x85ebca6bU, kPrimeZ = 0xc2b2ae35U;
-float Signed(std::uint32_t mixed) {
-  mixed ^= mixed >> 15;
-  mixed *= 0x2c1b3c6dU;
-  mixed ^= mixed >> 13;
-  mixed *= 0x297a2d39U;
-  return static_cast<float>(static_cast<std::int32_t>(mixed)) * 0x1p-31F;
-}
+// Lattice values come from tables, since textures ask for some 10^9 of them: each coordinate is
+// turned into random bits, their exclusive or picks the value. The pattern repeats after 4096
+// cells.
+constexpr int kTableSize = 4096;
+constexpr auto kTableMask = static_cast<std::uint32_t>(kTableSize - 1);
+constexpr auto kScramble = [] {
+  std::array<std::uint16_t, kTableSize> table{};
+  for (std::uint32_t i = 0; i < kTableSize; ++i) {
+    table[i] = static_cast<std::uint16_t>(HashBits(i + 1) & kTableMask);
+  }
+  return table;
+}();
+constexpr auto kLatticeValue = [] {
+  std::array<float, kTableSize> table{};
+  for (std::uint32_t i = 0; i < kTableSize; ++i) {
+    table[i] = static_cast<float>(HashBits(i + 77777) >> 8) * 0x1p-23F - 1.0F;
+  }
+  return table;
+}();
+
+// Random bits of the cells `cell` and `cell + 1` along one axis.
+struct LatticeAxis {
+  std::uint32_t low, high;
+  LatticeAxis(int cell, std::uint32_t salt)
+      : low(kScramble[(static_cast<std::uint32_t>(cell) + salt) & kTableMask]),
+        high(kScramble[(static_cast<std::uint32_t>(cell) + 1 + salt) & kTableMask]) {}
+};
 
 // Borders of jittered intervals of one unit: where interval k starts.
 float IntervalStart(int k, float jitter, std::uint32_t seed) {
@@ -35,28 +53,26 @@ int IntervalOf(float x, float jitter, std::uint32_t seed) {
 }  // namespace
 
 float Noise(const Eigen::Vector2f& p, std::uint32_t seed) {
-  const int x = FloorInt(p.x()), y = FloorInt(p.y());
-  const float tx = Fade(p.x() - static_cast<float>(x)), ty = Fade(p.y() - static_cast<float>(y));
-  const std::uint32_t x0 = static_cast<std::uint32_t>(x) * kPrimeX ^ seed * 0x27d4eb2fU;
-  const std::uint32_t x1 = (static_cast<std::uint32_t>(x) + 1) * kPrimeX ^ seed * 0x27d4eb2fU;
-  const std::uint32_t y0 = static_cast<std::uint32_t>(y) * kPrimeY, y1 = y0 + kPrimeY;
-  return Mix(Mix(Signed(x0 ^ y0), Signed(x1 ^ y0), tx), Mix(Signed(x0 ^ y1), Signed(x1 ^ y1), tx),
-             ty);
+  const int i = FloorInt(p.x()), j = FloorInt(p.y());
+  const float tx = Fade(p.x() - static_cast<float>(i)), ty = Fade(p.y() - static_cast<float>(j));
+  const std::uint32_t salt = HashBits(seed);
+  const LatticeAxis x(i, salt), y(j, salt >> 12);
+  return Mix(Mix(kLatticeValue[x.low ^ y.low], kLatticeValue[x.high ^ y.low], tx),
+             Mix(kLatticeValue[x.low ^ y.high], kLatticeValue[x.high ^ y.high], tx), ty);
 }
 
 float Noise(const Eigen::Vector3f& p, std::uint32_t seed) {
-  const int x = FloorInt(p.x()), y = FloorInt(p.y()), z = FloorInt(p.z());
-  const float tx = Fade(p.x() - static_cast<float>(x)), ty = Fade(p.y() - static_cast<float>(y));
-  const float tz = Fade(p.z() - static_cast<float>(z));
-  const std::uint32_t x0 = static_cast<std::uint32_t>(x) * kPrimeX ^ seed * 0x27d4eb2fU;
-  const std::uint32_t x1 = (static_cast<std::uint32_t>(x) + 1) * kPrimeX ^ seed * 0x27d4eb2fU;
-  const std::uint32_t y0 = static_cast<std::uint32_t>(y) * kPrimeY, y1 = y0 + kPrimeY;
-  const std::uint32_t z0 = static_cast<std::uint32_t>(z) * kPrimeZ, z1 = z0 + kPrimeZ;
-  const auto layer = [&](std::uint32_t k) {
-    return Mix(Mix(Signed(x0 ^ y0 ^ k), Signed(x1 ^ y0 ^ k), tx),
-               Mix(Signed(x0 ^ y1 ^ k), Signed(x1 ^ y1 ^ k), tx), ty);
+  const int i = FloorInt(p.x()), j = FloorInt(p.y()), k = FloorInt(p.z());
+  const float tx = Fade(p.x() - static_cast<float>(i)), ty = Fade(p.y() - static_cast<float>(j));
+  const float tz = Fade(p.z() - static_cast<float>(k));
+  const std::uint32_t salt = HashBits(seed);
+  const LatticeAxis x(i, salt), y(j, salt >> 10), z(k, salt >> 20);
+  const auto layer = [&](std::uint32_t zz) {
+    return Mix(Mix(kLatticeValue[x.low ^ y.low ^ zz], kLatticeValue[x.high ^ y.low ^ zz], tx),
+               Mix(kLatticeValue[x.low ^ y.high ^ zz], kLatticeValue[x.high ^ y.high ^ zz], tx),
+               ty);
   };
-  return Mix(layer(z0), layer(z1), tz);
+  return Mix(layer(z.low), layer(z.high), tz);
 }
 
 template <typename Point>

@@ -3,11 +3,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 
 namespace colmap_ext {
 
-inline std::uint32_t HashBits(std::uint32_t h) {
+constexpr std::uint32_t HashBits(std::uint32_t h) {
   h ^= h >> 16;
   h *= 0x7feb352dU;
   h ^= h >> 15;

@@ -10,15 +10,17 @@ namespace {
 // Streaks that rain leaves on walls: long in v, short in u.
 float Streaks(const SurfacePoint& p, std::uint32_t seed) {
   const Eigen::Vector3f q(p.world.x() * 3.1F, p.world.y() * 3.1F, p.world.z() * 0.35F);
-  return SmoothStep(0.15F, 0.7F, Fbm(q, 4, seed));
+  return SmoothStep(0.15F, 0.7F, Fbm(q, 3, seed));
 }
 
 Rgb WeatherStone(const SurfacePoint& p, std::uint32_t seed, Rgb color) {
-  color *= 1 + 0.16F * Fbm(Eigen::Vector3f(p.world * 0.45F), 3, seed + 1);
+  color *= 1 + 0.16F * Fbm(Eigen::Vector3f(p.world * 0.45F), 2, seed + 1);
   color = Blend(color, Rgb(0.30F, 0.28F, 0.25F), 0.42F * Streaks(p, seed + 2));
-  const float damp = Fbm(Eigen::Vector3f(p.world * 1.7F), 4, seed + 3);
-  const float moss = SmoothStep(0.1F, 0.6F, damp + 0.55F - 0.5F * p.world.z());
-  color = Blend(color, Rgb(0.28F, 0.33F, 0.17F), 0.6F * moss);
+  if (p.world.z() < 3.5F) {
+    const float damp = Fbm(Eigen::Vector3f(p.world * 1.7F), 4, seed + 3);
+    const float moss = SmoothStep(0.1F, 0.6F, damp + 0.55F - 0.5F * p.world.z());
+    color = Blend(color, Rgb(0.28F, 0.33F, 0.17F), 0.6F * moss);
+  }
   const float lichen = Fbm(Eigen::Vector3f(p.world * 5.3F), 3, seed + 4);
   color = Blend(color, Rgb(0.80F, 0.77F, 0.62F), 0.55F * SmoothStep(0.52F, 0.62F, lichen));
   color = Blend(color, Rgb(0.25F, 0.24F, 0.22F), 0.5F * SmoothStep(0.50F, 0.60F, -lichen));

@@ -115,6 +115,7 @@ class SceneBuilder {
     Eigen::Vector2d size_m;
     Eigen::Vector2d pattern_origin;
     std::function<Eigen::Vector3d(const Eigen::Vector2d&)> world_at;
+    bool used = false;
     int x = 0, y = 0, width = 0, height = 0;  // texels, in the material's texture, from above left
   };
   struct Vertex {
@@ -125,7 +126,9 @@ class SceneBuilder {
 
   void AddStripQuad(int material, const Frame& front, const Eigen::Vector2d& from,
                     const Eigen::Vector2d& to, double depth_m, double max_edge_m);
+  void MarkUsedCharts(const std::vector<bool>& keep_face);
   cv::Size PackCharts(int material);
+  Eigen::Vector2f TextureCoordinates(int vertex, const std::vector<cv::Size>& sizes) const;
   cv::Mat PaintMaterial(int material, const cv::Size& size) const;
   void PaintChart(const Chart& chart, std::uint32_t seed, cv::Mat* texture) const;
 

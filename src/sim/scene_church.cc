@@ -23,18 +23,18 @@ constexpr double kChancelLength = 4.4, kChancelWidth = 5.6;
 
 ChurchMaterials AddMaterials(std::uint32_t seed, SceneBuilder* builder) {
   ChurchMaterials m;
-  m.building.walls.wall = builder->AddMaterial("rubble", 0.0125, RubbleStone(seed + 1));
-  m.building.walls.trim = builder->AddMaterial("dressed_stone", 0.0125,
+  m.building.walls.wall = builder->AddMaterial("rubble", 0.014, RubbleStone(seed + 1));
+  m.building.walls.trim = builder->AddMaterial("dressed_stone", 0.014,
                                                DressedStone(seed + 2, Rgb(0.80F, 0.76F, 0.66F)));
   m.building.tiles = builder->AddMaterial(
-      "roof_tiles", 0.0125,
-      RoofTiles(seed + 3, 0.32F, Rgb(0.42F, 0.20F, 0.14F), Rgb(0.66F, 0.35F, 0.22F)));
-  m.building.wood = builder->AddMaterial("planks", 0.0125,
+      "roof_tiles", 0.014,
+      RoofTiles(seed + 3, 0.32F, Rgb(0.38F, 0.21F, 0.16F), Rgb(0.60F, 0.37F, 0.27F)));
+  m.building.wood = builder->AddMaterial("planks", 0.014,
                                          Planks(seed + 4, 0.16F, Rgb(0.40F, 0.29F, 0.19F), true));
-  m.glass = builder->AddMaterial("leaded_glass", 0.0125, LeadedGlass(seed + 5));
-  m.door = builder->AddMaterial("door", 0.0125,
-                                Planks(seed + 6, 0.18F, Rgb(0.36F, 0.23F, 0.14F), false));
-  m.louvre = builder->AddMaterial("louvres", 0.0125,
+  m.glass = builder->AddMaterial("leaded_glass", 0.014, LeadedGlass(seed + 5));
+  m.door =
+      builder->AddMaterial("door", 0.014, Planks(seed + 6, 0.18F, Rgb(0.36F, 0.23F, 0.14F), false));
+  m.louvre = builder->AddMaterial("louvres", 0.014,
                                   Planks(seed + 7, 0.20F, Rgb(0.45F, 0.40F, 0.34F), true));
   m.iron = builder->AddMaterial("iron", 0.02, Iron(seed + 8));
   return m;
@@ -70,10 +70,18 @@ Eigen::Isometry3d Placed(double x, double y, double turn_rad = 0) {
          Eigen::Isometry3d::Identity();
 }
 
-// Bands of dressed stone around a rectangular body.
+// Band of dressed stone around a rectangular body that reaches from x0 to x1.
 void AddBand(int material, double x0, double x1, double half, double z0, double z1, double proud,
              SceneBuilder* builder) {
-  builder->AddBlock(material, {x0 - proud, -half - proud, z0}, {x1 + proud, half + proud, z1}, 0.6);
+  const Polygon2d inner = RectanglePolygon(x0, -half, x1, half);
+  const Polygon2d outer = RectanglePolygon(x0 - proud, -half - proud, x1 + proud, half + proud);
+  const Frame top{{0, 0, z1}, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()};
+  builder->AddStrip(material, top, outer, true, z1 - z0, 0.5);
+  builder->AddPolygon(material, top, outer, {inner}, 0.5);
+  if (z0 <= 0) return;
+  // From below, y runs the other way; the bands are symmetric in y.
+  const Frame bottom{{0, 0, z0}, Eigen::Vector3d::UnitX(), -Eigen::Vector3d::UnitY()};
+  builder->AddPolygon(material, bottom, outer, {inner}, 0.5);
 }
 
 void AddNave(const ChurchMaterials& m, SceneBuilder* builder) {

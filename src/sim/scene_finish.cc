@@ -32,7 +32,7 @@ cv::Size SceneBuilder::PackCharts(int material) {
   int widest = 64;
   double area = 0;
   for (Chart& chart : charts_) {
-    if (chart.material != material) continue;
+    if (chart.material != material || !chart.used) continue;
     chart.width = static_cast<int>(std::ceil(chart.size_m.x() / texel)) + 2 * kGutter;
     chart.height = static_cast<int>(std::ceil(chart.size_m.y() / texel)) + 2 * kGutter;
     widest = std::max(widest, chart.width);
@@ -82,15 +82,43 @@ void SceneBuilder::PaintChart(const Chart& chart, std::uint32_t seed, cv::Mat* t
 cv::Mat SceneBuilder::PaintMaterial(int material, const cv::Size& size) const {
   cv::Mat texture(size, CV_8UC3, cv::Scalar(128, 128, 128));
   tbb::parallel_for(std::size_t{0}, charts_.size(), [&](std::size_t i) {
-    if (charts_[i].material != material) return;
+    if (charts_[i].material != material || !charts_[i].used) return;
     PaintChart(charts_[i], seed_ + static_cast<std::uint32_t>(i) * 7919U, &texture);
   });
   return texture;
 }
 
+// Only charts of which something is seen get a place in the texture.
+void SceneBuilder::MarkUsedCharts(const std::vector<bool>& keep_face) {
+  for (std::size_t i = 0; i < faces_.size(); ++i) {
+    const auto vertex = static_cast<std::size_t>(faces_[i][0]);
+    if (keep_face[i]) charts_[static_cast<std::size_t>(vertices_[vertex].chart)].used = true;
+  }
+}
+
+Eigen::Vector2f SceneBuilder::TextureCoordinates(int index,
+                                                 const std::vector<cv::Size>& sizes) const {
+  const Vertex& vertex = vertices_[static_cast<std::size_t>(index)];
+  const Chart& chart = charts_[static_cast<std::size_t>(vertex.chart)];
+  const auto m = static_cast<std::size_t>(chart.material);
+  const Eigen::Vector2d texel = vertex.chart_m / materials_[m].texel_m;
+  const double x = chart.x + kGutter + texel.x();
+  const double y_from_top = chart.y + chart.height - kGutter - texel.y();
+  return Eigen::Vector2d(x / sizes[m].width, 1 - y_from_top / sizes[m].height).cast<float>();
+}
+
 TexturedScene SceneBuilder::Finish(const GeoPosition& origin) {
   TexturedScene scene;
   scene.origin = origin;
+  for (const Vertex& vertex : vertices_) scene.mesh.vertices.push_back(vertex.world);
+  scene.mesh.faces = faces_;
+  scene.object_of_face = object_of_face_;
+  std::vector<bool> keep = FindVisibleFaces(scene.mesh, scene.object_of_face);
+  // Where slopes run out to a point, strips leave triangles without area.
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    if (FaceArea(scene.mesh, i) < kMinArea) keep[i] = false;
+  }
+  MarkUsedCharts(keep);
   std::vector<cv::Size> sizes;
   for (int m = 0; m < static_cast<int>(materials_.size()); ++m) {
     sizes.push_back(PackCharts(m));
@@ -99,27 +127,12 @@ TexturedScene SceneBuilder::Finish(const GeoPosition& origin) {
     material.texture_bgr = PaintMaterial(m, sizes.back());
     scene.materials.push_back(std::move(material));
   }
-  for (const Vertex& vertex : vertices_) scene.mesh.vertices.push_back(vertex.world);
-  scene.mesh.faces = faces_;
-  scene.object_of_face = object_of_face_;
-  const auto uv_of = [&](int index) -> Eigen::Vector2f {
-    const Vertex& vertex = vertices_[static_cast<std::size_t>(index)];
-    const Chart& chart = charts_[static_cast<std::size_t>(vertex.chart)];
-    const auto m = static_cast<std::size_t>(chart.material);
-    const Eigen::Vector2d texel = vertex.chart_m / materials_[m].texel_m;
-    const double x = chart.x + kGutter + texel.x();
-    const double y_from_top = chart.y + chart.height - kGutter - texel.y();
-    return Eigen::Vector2d(x / sizes[m].width, 1 - y_from_top / sizes[m].height).cast<float>();
-  };
   for (const auto& face : faces_) {
-    scene.corner_uv.push_back({uv_of(face[0]), uv_of(face[1]), uv_of(face[2])});
+    scene.corner_uv.push_back({TextureCoordinates(face[0], sizes),
+                               TextureCoordinates(face[1], sizes),
+                               TextureCoordinates(face[2], sizes)});
     const auto chart = vertices_[static_cast<std::size_t>(face[0])].chart;
     scene.material_of_face.push_back(charts_[static_cast<std::size_t>(chart)].material);
-  }
-  std::vector<bool> keep = FindVisibleFaces(scene.mesh, scene.object_of_face);
-  // Where slopes run out to a point, strips leave triangles without area.
-  for (std::size_t i = 0; i < keep.size(); ++i) {
-    if (FaceArea(scene.mesh, i) < kMinArea) keep[i] = false;
   }
   KeepFaces(keep, &scene);
   for (const auto& n : VertexNormals(scene.mesh)) scene.vertex_normals.push_back(n.cast<float>());

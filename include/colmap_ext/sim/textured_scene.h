@@ -55,7 +55,7 @@ void CheckScene(const TexturedScene& scene, const std::string& where);
 //   "boxes":  cardboard buildings of 0.5 … 1.6 m in a room of 6 x 6 m, open above.
 // Faces that cannot be seen from outside (the inside of joints) are left out, so that the truth
 // holds only what a photo can show. `texel_scale` > 1 makes coarser, quicker textures (for tests);
-// 1 is 1.25 cm a texel on the church. Throws UsageError for an unknown name or a scale outside
+// 1 is 1.4 cm a texel on the church. Throws UsageError for an unknown name or a scale outside
 // [0.5, 16].
 TexturedScene MakeScene(const std::string& name, std::uint64_t seed, double texel_scale = 1.0);
 

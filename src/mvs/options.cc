@@ -1,5 +1,6 @@
 #include <sstream>
 
+#include "colmap_ext/mvs/points.h"
 #include "colmap_ext/mvs/stereo_options.h"
 #include "colmap_ext/mvs/superpixels.h"
 
@@ -125,6 +126,23 @@ void BindOptions(OptionSet& set, SuperpixelStereoOptions* options) {
           "corresponding facets agree within this share of depth (0 to 1)");
   set.Add(section, "fusion_step_px", &options->fusion_step_px,
           "pixel grid on which corresponding facets are looked up (px, 1 to 64)");
+}
+
+std::string PointSamplerOptions::Check() const {
+  return RangeCheck("PointSampler")
+      .In("step_px", step_px, 1, 64)
+      .In("min_confidence", min_confidence, 0, 1)
+      .In("free_space_tolerance", free_space_tolerance, kTiny, 1)
+      .complaint();
+}
+
+void BindOptions(OptionSet& set, PointSamplerOptions* options) {
+  const std::string section = "PointSampler";
+  set.Add(section, "step_px", &options->step_px, "a point every so many pixels (px, 1 to 64)");
+  set.Add(section, "min_confidence", &options->min_confidence,
+          "facets with a higher confidence give points (0 to 1)");
+  set.Add(section, "free_space_tolerance", &options->free_space_tolerance,
+          "points that neighbours see through by this share of depth are dropped (0 to 1)");
 }
 
 }  // namespace colmap_ext

@@ -1,0 +1,112 @@
+#include "colmap_ext/mvs/stereo_io.h"
+
+#include <tbb/parallel_for.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+
+#include "colmap_ext/mvs/depth_map.h"
+#include "colmap_ext/scene/reconstruction_io.h"
+#include "colmap_ext/util/error.h"
+#include "colmap_ext/util/files.h"
+
+namespace colmap_ext {
+namespace {
+
+// Keypoints as the ideal camera of `photo` sees them. Where the distortion cannot be undone, the
+// image's corner stands in; no 3D point has such an observation.
+void UndistortKeypoints(const Camera& camera, const PosedPhoto& photo, SparseImage* image) {
+  for (Keypoint2D& keypoint : image->keypoints) {
+    const auto normalized = NormalizedFromImage(camera, keypoint.pixel);
+    keypoint.pixel = normalized ? photo.camera.Project(normalized->homogeneous())
+                                : Eigen::Vector2d(Eigen::Vector2d::Zero());
+  }
+}
+
+Reconstruction PinholeModel(const PhotoSet& photos, const Reconstruction& model) {
+  Reconstruction pinhole = model;
+  for (const PosedPhoto& photo : photos.photos) {
+    const auto image = pinhole.images.find(photo.image_id);
+    if (image == pinhole.images.end()) {
+      throw Error("dense workspace: the sparse model has no photo " + photo.name);
+    }
+    const CameraId camera_id = image->second.camera_id;
+    UndistortKeypoints(model.cameras.at(camera_id), photo, &image->second);
+    pinhole.cameras[camera_id] = ToCamera(photo.camera);
+  }
+  return pinhole;
+}
+
+void WritePhoto(const PosedPhoto& photo, const std::filesystem::path& path) {
+  std::vector<std::uint8_t> bytes;
+  if (!cv::imencode(path.extension().string(), photo.bgr, bytes)) {
+    throw Error("cannot encode " + path.string() + "; is its extension a picture's?");
+  }
+  WriteFileAtomically(path, std::string(bytes.begin(), bytes.end()));
+}
+
+std::string FusionConfig(const PhotoSet& photos) {
+  std::ostringstream text;
+  for (const PosedPhoto& photo : photos.photos) text << photo.name << '\n';
+  return text.str();
+}
+
+std::string PatchMatchConfig(const PhotoSet& photos,
+                             const std::vector<std::vector<int>>& neighbors) {
+  std::ostringstream text;
+  for (std::size_t i = 0; i < photos.photos.size(); ++i) {
+    if (neighbors[i].empty()) continue;
+    text << photos.photos[i].name << '\n';
+    for (std::size_t n = 0; n < neighbors[i].size(); ++n) {
+      text << (n == 0 ? "" : ", ") << photos.photos[static_cast<std::size_t>(neighbors[i][n])].name;
+    }
+    text << '\n';
+  }
+  return text.str();
+}
+
+}  // namespace
+
+ColoredMesh MeshInWorld(const ViewMesh& mesh, double min_confidence) {
+  ColoredMesh result;
+  for (std::size_t t = 0; t < mesh.image.triangles.size(); ++t) {
+    if (mesh.supported[t] == 0 || mesh.confidence[t] < min_confidence) continue;
+    const int first = static_cast<int>(result.mesh.vertices.size());
+    for (int k = 0; k < 3; ++k) {
+      result.mesh.vertices.push_back(CornerInWorld(mesh, static_cast<int>(t), k));
+      result.color.push_back(mesh.image.mean_bgr[t].reverse().cast<double>() / 255.0);
+    }
+    // Positive area in the image (y down) is clockwise for the camera.
+    result.mesh.faces.emplace_back(first, first + 2, first + 1);
+  }
+  return result;
+}
+
+void WriteViewMeshes(const PhotoSet& photos, const std::vector<ViewMesh>& views,
+                     double min_confidence, const std::filesystem::path& folder) {
+  tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
+    const ColoredMesh mesh = MeshInWorld(views[i], min_confidence);
+    WriteMesh(mesh.mesh, mesh.color, folder / (photos.photos[i].name + ".ply"));
+  });
+}
+
+void WriteDenseWorkspace(const PhotoSet& photos, const Reconstruction& model,
+                         const std::vector<ViewMesh>& views,
+                         const std::vector<std::vector<int>>& neighbors, double min_confidence,
+                         const std::filesystem::path& folder) {
+  const Reconstruction pinhole = PinholeModel(photos, model);
+  const std::filesystem::path stereo = folder / "stereo";
+  tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
+    const PosedPhoto& photo = photos.photos[i];
+    const ViewMaps maps = RasterizeView(views[i], min_confidence);
+    WriteDenseMap(maps.depth, stereo / "depth_maps" / (photo.name + ".geometric.bin"));
+    WriteDenseMap(maps.normal, stereo / "normal_maps" / (photo.name + ".geometric.bin"));
+    WriteDenseMap(maps.confidence, stereo / "confidence_maps" / (photo.name + ".bin"));
+    WritePhoto(photo, folder / "images" / photo.name);
+  });
+  WriteReconstructionBinary(pinhole, folder / "sparse");
+  WriteFileAtomically(stereo / "patch-match.cfg", PatchMatchConfig(photos, neighbors));
+  WriteFileAtomically(stereo / "fusion.cfg", FusionConfig(photos));
+}
+
+}  // namespace colmap_ext

@@ -27,6 +27,12 @@ struct Command {
 };
 
 constexpr std::array kCommands = {
+    Command{"sparse_updater", "photos to a sparse model in metres, or more photos into one",
+            RunSparseUpdater},
+    Command{"superpixel_segmenter", "photos to convex polygons and triangles along their edges",
+            RunSuperpixelSegmenter},
+    Command{"superpixel_stereo", "sparse model to a depth mesh a photo and one oriented point cloud",
+            RunSuperpixelStereo},
     Command{"active_capture", "the whole loop: photos, model, coverage, next views, flight",
             RunActiveCapture},
     Command{"model_evaluator", "error, completeness and accuracy against a ground truth",

@@ -27,17 +27,25 @@ struct Command {
 };
 
 constexpr std::array kCommands = {
-    Command{"sparse_updater", "photos to a sparse model in metres, or more photos into one",
-            RunSparseUpdater},
-    Command{"superpixel_segmenter", "photos to convex polygons and triangles along their edges",
-            RunSuperpixelSegmenter},
-    Command{"superpixel_stereo", "sparse model to a depth mesh a photo and one oriented point cloud",
-            RunSuperpixelStereo},
     Command{"active_capture", "the whole loop: photos, model, coverage, next views, flight",
             RunActiveCapture},
-    Command{"model_evaluator", "error, completeness and accuracy against a ground truth",
+    Command{"sparse_updater", "photos to a sparse model; later only the new photos",
+            RunSparseUpdater},
+    Command{"superpixel_segmenter", "photo to polygons and triangles along its line segments",
+            RunSuperpixelSegmenter},
+    Command{"superpixel_stereo", "photos and sparse model to meshes, depth maps and fused points",
+            RunSuperpixelStereo},
+    Command{"surface_reconstructor", "fused points to a surface with its signal",
+            RunSurfaceReconstructor},
+    Command{"coverage_evaluator", "surface and photos to covered and uncovered iso-points",
+            RunCoverageEvaluator},
+    Command{"view_planner", "uncovered iso-points to next best views", RunViewPlanner},
+    Command{"path_planner", "views to a path with proven clearance", RunPathPlanner},
+    Command{"mission_exporter", "path to a mission file", RunMissionExporter},
+    Command{"scene_renderer", "pictures and exact depth of a textured scene", RunSceneRenderer},
+    Command{"model_evaluator", "error and completeness of a model against the truth",
             RunModelEvaluator},
-    Command{"report_generator", "the offline page of a session, made anew", RunReportGenerator},
+    Command{"report_generator", "the page of a session", RunReportGenerator},
 };
 
 // Turns SIGINT and SIGTERM into a flag that stages look at; a second one ends the process at once.

@@ -10,9 +10,9 @@ Rgb Grass(const Eigen::Vector2f& xy, std::uint32_t seed) {
   const float large = Fbm(Eigen::Vector2f(xy * 0.16F), 3, seed);
   const float middle = Fbm(Eigen::Vector2f(xy * 0.9F), 3, seed + 1);
   const float clumps = Fbm(Eigen::Vector2f(xy * 4.5F), 4, seed + 2, 0.7F);
-  Rgb color(0.33F, 0.42F, 0.19F);
+  Rgb color(0.36F, 0.41F, 0.22F);
   color = Blend(color, Rgb(0.52F, 0.50F, 0.27F), 0.55F * SmoothStep(-0.1F, 0.7F, large));
-  color = Blend(color, Rgb(0.22F, 0.33F, 0.13F), 0.6F * SmoothStep(0.0F, 0.6F, middle));
+  color = Blend(color, Rgb(0.26F, 0.33F, 0.17F), 0.6F * SmoothStep(0.0F, 0.6F, middle));
   color *= 1 + 0.42F * clumps;
   color *= 1 + 0.30F * Noise(Eigen::Vector2f(xy.x() * 36, xy.y() * 21), seed + 3);
   // Bare earth shows through here and there.

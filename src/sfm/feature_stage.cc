@@ -161,8 +161,9 @@ std::vector<std::string> PhotosWithoutFeatures(const PhotoCatalog& catalog,
 
 }  // namespace
 
-WorkingDatabase::WorkingDatabase(const fs::path& database_path, const fs::path& work_path,
-                                 ColmapProgram* colmap, const JobControl& job)
+WorkingDatabase::WorkingDatabase(const fs::path& database_path, const fs::path& base_path,
+                                 const fs::path& work_path, ColmapProgram* colmap,
+                                 const JobControl& job)
     : target_(database_path),
       path_(TemporaryPathFor(database_path)),
       empty_(work_path / "empty.db") {
@@ -171,16 +172,19 @@ WorkingDatabase::WorkingDatabase(const fs::path& database_path, const fs::path& 
   RemoveDatabase(empty_);
   colmap->Run("database_creator", {{"database_path", empty_.string()}}, work_path / "database.log",
               job);
-  const int program_version = Database::Open(empty_, Database::Access::kReadOnly).user_version();
-  if (!fs::exists(target_)) {
-    Database::Copy(empty_, path_);
-    return;
+  fs::path source = empty_;
+  if (fs::exists(target_)) {
+    // Opening and closing brings what a killed program left in the -wal file into the database.
+    if (HasPendingWrites(target_)) Database::Open(target_, Database::Access::kReadWrite);
+    source = target_;
+  } else if (!base_path.empty()) {
+    RequireFile(base_path, "database");
+    source = base_path;
   }
-  // Opening and closing brings what a killed program left in the -wal file into the database.
-  if (HasPendingWrites(target_)) Database::Open(target_, Database::Access::kReadWrite);
-  RequireMatchingVersion(target_, Database::Open(target_, Database::Access::kReadOnly),
+  const int program_version = Database::Open(empty_, Database::Access::kReadOnly).user_version();
+  RequireMatchingVersion(source, Database::Open(source, Database::Access::kReadOnly),
                          program_version, colmap->dialect().version());
-  Database::Copy(target_, path_);
+  Database::Copy(source, path_);
 }
 
 WorkingDatabase::~WorkingDatabase() {

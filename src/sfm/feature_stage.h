@@ -13,13 +13,14 @@
 
 namespace colmap_ext {
 
-// A copy of the database beside it (or a new one) that replaces it when everything is done.
+// A copy of the database beside it that replaces it when everything is done.
 class WorkingDatabase {
  public:
-  // Throws Error when the database was made by a COLMAP that does not go with the program in use.
+  // A copy of `database_path`, else of `base_path` when given, else a new database. Throws Error
+  // when the database was made by a COLMAP that does not go with the program in use.
   WorkingDatabase(const std::filesystem::path& database_path,
-                  const std::filesystem::path& work_path, ColmapProgram* colmap,
-                  const JobControl& job);
+                  const std::filesystem::path& base_path, const std::filesystem::path& work_path,
+                  ColmapProgram* colmap, const JobControl& job);
   ~WorkingDatabase();  // removes the copy unless Commit() was called
   WorkingDatabase(const WorkingDatabase&) = delete;
   WorkingDatabase& operator=(const WorkingDatabase&) = delete;

@@ -55,7 +55,7 @@ void SetGeoPositions(const SparseUpdateInput& input, PhotoCatalog* catalog) {
 
 // Photos to metres around one origin.
 void PlaceOnEarth(const SparseUpdateInput& input, PhotoCatalog* catalog) {
-  if (input.frame.is_metric_enu) catalog->origin = input.frame.origin;
+  catalog->origin = input.frame.origin;
   for (CatalogPhoto& photo : catalog->photos) {
     if (!photo.geo) continue;
     if (!catalog->origin) catalog->origin = photo.geo;

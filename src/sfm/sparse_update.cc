@@ -99,9 +99,12 @@ class Updater {
 
   SparseUpdateResult Run() {
     if (input_.model != nullptr && NothingNew()) return Unchanged();
-    if (input_.model != nullptr) RequireFile(input_.database_path, "database of the given model");
+    if (input_.model != nullptr && input_.base_database_path.empty()) {
+      RequireFile(input_.database_path, "database of the given model");
+    }
     RequireWritableFolder(input_.work_path, "work folder");
-    WorkingDatabase database(input_.database_path, input_.work_path, &colmap_, job_);
+    WorkingDatabase database(input_.database_path, input_.base_database_path, input_.work_path,
+                             &colmap_, job_);
     result_.frame = input_.frame;
     result_.state = input_.state;
     ExtractStep(database);

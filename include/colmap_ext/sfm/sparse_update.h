@@ -56,12 +56,16 @@ struct SparseUpdateInput {
   std::filesystem::path colmap_path;    // empty: `colmap` on the PATH
   std::filesystem::path image_path;     // folder of photos
   std::filesystem::path database_path;  // created when there is none
-  std::filesystem::path work_path;      // logs (kept) and temporary models (removed)
+  // Somebody's database to start from when there is none at database_path; copied, never changed.
+  std::filesystem::path base_database_path;
+  std::filesystem::path work_path;  // logs (kept) and temporary models (removed)
   // The model to continue, null for none; `frame` and `state` belong to it.
   const Reconstruction* model = nullptr;
+  // An origin without a metric model is the one that georegistration shall use.
   WorldFrame frame;
   SparseState state;
-  // Intrinsics of all new photos when they are known, and then locked.
+  // Intrinsics of all new photos when they are known, and then locked. Width and height 0: those of
+  // the photos.
   std::optional<Camera> camera;
   // Positions by photo name. Local ones (metres, z up) win over geographic ones, and those over the
   // photos' EXIF.
@@ -77,7 +81,7 @@ struct SparseUpdateResult {
   std::vector<std::string> registered;  // names, sorted
   std::vector<std::string> newly_registered;  // ... those that the given model did not have
   std::vector<std::string> unregistered;      // photos of the folder that the model does not have
-  // Only when this call georegistered the model (the first one that could).
+  // Only when this call georegistered the model, or tried to.
   std::optional<GeoregistrationResult> georegistration;
   double mean_error_px = 0;  // reprojection, over all observations
   int num_pairs = 0;         // matched in this call

@@ -41,6 +41,10 @@ std::string Tiles(const SessionSummary& summary) {
   html += Tile(std::to_string(last.registered) + " / " + std::to_string(last.photos),
                "photos registered");
   if (last.covered_ratio) html += Tile(Format("%.1f %%", 100 * *last.covered_ratio), "covered");
+  if (last.reachable_covered_ratio) {
+    html +=
+        Tile(Format("%.1f %%", 100 * *last.reachable_covered_ratio), "of the reachable covered");
+  }
   if (last.mean_error_m) html += Tile(Format("%.1f mm", 1000 * *last.mean_error_m), "mean error");
   if (last.rms_error_m) html += Tile(Format("%.1f mm", 1000 * *last.rms_error_m), "RMS error");
   for (const CompletenessValue& value : last.completeness) {
@@ -71,7 +75,9 @@ std::string Charts(const SessionSummary& summary) {
       {"Covered, % by iteration",
        " %",
        {Series(summary, "covered", "series-1",
-               [](Row row) { return Scaled(row.covered_ratio, 100); })},
+               [](Row row) { return Scaled(row.covered_ratio, 100); }),
+        Series(summary, "reachable", "series-2",
+               [](Row row) { return Scaled(row.reachable_covered_ratio, 100); })},
        0,
        100},
       {"Error against the truth, mm by iteration",

@@ -11,6 +11,10 @@ namespace {
 Json IterationToJson(const IterationSummary& iteration) {
   Json json = {{"photos", iteration.photos}, {"registered", iteration.registered}};
   if (iteration.covered_ratio) json["covered_ratio"] = *iteration.covered_ratio;
+  if (iteration.reachable_covered_ratio) {
+    json["reachable_covered_ratio"] = *iteration.reachable_covered_ratio;
+  }
+  json["planned_views"] = iteration.planned_views;
   if (iteration.mean_error_m) json["mean_error_m"] = *iteration.mean_error_m;
   if (iteration.rms_error_m) json["rms_error_m"] = *iteration.rms_error_m;
   for (const CompletenessValue& value : iteration.completeness) {
@@ -33,6 +37,8 @@ IterationSummary IterationFromJson(const JsonNode& node, const Json& json) {
   iteration.photos = node["photos"].Integer();
   iteration.registered = node["registered"].Integer();
   iteration.covered_ratio = OptionalNumber(node, "covered_ratio");
+  iteration.reachable_covered_ratio = OptionalNumber(node, "reachable_covered_ratio");
+  if (const auto planned = node.Find("planned_views")) iteration.planned_views = planned->Integer();
   iteration.mean_error_m = OptionalNumber(node, "mean_error_m");
   iteration.rms_error_m = OptionalNumber(node, "rms_error_m");
   iteration.wall_s = node["wall_s"].Number();

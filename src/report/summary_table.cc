@@ -41,6 +41,8 @@ std::vector<Column> MakeColumns(const SessionSummary& summary) {
       {"photos", [](Row row, std::size_t) { return std::to_string(row.photos); }},
       {"registered", [](Row row, std::size_t) { return std::to_string(row.registered); }},
       {"covered %", [](Row row, std::size_t) { return Format("%.1f", row.covered_ratio, 100); }},
+      {"reachable covered %",
+       [](Row row, std::size_t) { return Format("%.1f", row.reachable_covered_ratio, 100); }},
       {"mean error mm",
        [](Row row, std::size_t) { return Format("%.1f", row.mean_error_m, 1000); }},
       {"RMS error mm", [](Row row, std::size_t) { return Format("%.1f", row.rms_error_m, 1000); }}};

@@ -20,7 +20,10 @@ struct IterationSummary {
   int photos = 0;                       // taken so far
   int registered = 0;                   // of them
   std::optional<double> covered_ratio;  // 0 … 1; absent: coverage was not reached
-  std::optional<double> mean_error_m;   // against the truth; absent without truth
+  // The same without the uncovered iso-points that no view in free space could see well.
+  std::optional<double> reachable_covered_ratio;
+  int planned_views = 0;               // of the path that was planned next
+  std::optional<double> mean_error_m;  // against the truth; absent without truth
   std::optional<double> rms_error_m;
   std::vector<CompletenessValue> completeness;  // ascending distance; empty without truth
   double wall_s = 0;                            // of the whole iteration

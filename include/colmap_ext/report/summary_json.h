@@ -9,12 +9,12 @@
 
 namespace colmap_ext {
 
-// {"finished", "iterations": [{"photos", "registered", "covered_ratio", "mean_error_m",
-// "rms_error_m", "completeness": {"25.4mm": …}, "wall_s", "stage_wall_s": {…}, "unregistered":
-// […]}]}. What is unknown is left out. Written atomically.
+// {"finished", "iterations": [{"photos", "registered", "covered_ratio", "reachable_covered_ratio",
+// "planned_views", "mean_error_m", "rms_error_m", "completeness": {"25.4mm": …}, "wall_s",
+// "stage_wall_s": {…}, "unregistered": […]}]}. What is unknown is left out. Written atomically.
 void WriteSummary(const SessionSummary& summary, const std::filesystem::path& path);
-// Comes back exactly. "stage_wall_s" and "unregistered" may be missing. Throws Error naming the
-// file and JSON pointer of what is missing or wrong.
+// Comes back exactly. Only "photos", "registered" and "wall_s" must be there. Throws Error naming
+// the file and JSON pointer of what is missing or wrong.
 SessionSummary ReadSummary(const std::filesystem::path& path);
 
 // timing.json: wall seconds of each stage. Throws Error as above.

@@ -43,8 +43,9 @@ struct IterationFiles {
   std::filesystem::path views_json() const { return folder / "views.json"; }
   std::filesystem::path path_json() const { return folder / "path.json"; }
   std::filesystem::path mission_plan() const { return folder / "mission.plan"; }
+  std::filesystem::path sparse_state_json() const { return folder / "sparse_state.json"; }
   std::filesystem::path timing_json() const { return folder / "timing.json"; }
-  // The frame of the model: {"metric": bool, "origin": {lat, lon, height}} (see frame_io.h).
+  // The frame of the model: {"metric": bool, "origin": {lat, lon, height}} (see world_frame.h).
   std::filesystem::path frame_json() const { return folder / "frame.json"; }
 };
 

@@ -1,0 +1,69 @@
+#include <iostream>
+
+#include "colmap_ext/report/summary_table.h"
+#include "colmap_ext/scene/workspace.h"
+#include "colmap_ext/session/presets.h"
+#include "colmap_ext/session/session.h"
+#include "colmap_ext/util/files.h"
+#include "command_line.h"
+#include "commands.h"
+
+namespace colmap_ext {
+namespace {
+
+void BindInputs(OptionSet& set, SessionInputs* inputs) {
+  set.Add("", "workspace_path", &inputs->workspace_path,
+          "folder of the session; created, or gone on with");
+  set.Add("", "scene", &inputs->scene, "simulate this built-in scene: church, boxes or gate");
+  set.Add("", "scene_path", &inputs->scene_path,
+          "simulate this textured model (OBJ, glTF, COLLADA)");
+  set.Add("", "image_path", &inputs->image_path, "folder of your own photos (only read)");
+  set.Add("", "database_path", &inputs->database_path,
+          "existing COLMAP database to start from (copied)");
+  set.Add("", "sparse_path", &inputs->sparse_path,
+          "existing COLMAP model to start from (only read)");
+  set.Add("", "geo_path", &inputs->geo_path, "positions of photos: lines of name lon lat alt");
+  set.Add("", "pose_prior_path", &inputs->pose_prior_path,
+          "positions of photos in local metres: lines of name x y z");
+  set.Add("", "colmap_path", &inputs->colmap_path, "the colmap program; default: on the PATH");
+}
+
+}  // namespace
+
+int RunActiveCapture(const Arguments& arguments, const CancelFlag& cancel) {
+  CommandLine line(
+      "active_capture",
+      "The whole loop. With --scene or --scene_path: a simulated drone flies until every "
+      "reachable part is covered. With --image_path: one iteration over your photos, "
+      "ending with coverage map, next views, path and a QGroundControl mission; run it "
+      "again when there are new photos. A session that was stopped goes on.");
+  SessionInputs inputs;
+  StageOptions options;
+  std::string preset;
+  BindInputs(line.options(), &inputs);
+  line.options().Add(
+      "", "preset", &preset,
+      "size of the site: outdoor or indoor; default: indoor for boxes, else outdoor");
+  BindOptions(line.options(), &options);
+  if (!line.Parse(arguments)) return 0;
+  RequireOption(inputs.workspace_path, "workspace_path");
+
+  const Workspace workspace(inputs.workspace_path);
+  if (std::filesystem::exists(workspace.session_ini())) {
+    line.options().ParseIniFile(workspace.session_ini());
+  }
+  if (preset.empty()) preset = inputs.scene == "boxes" ? "indoor" : "outdoor";
+  ApplyPreset(preset, line.options(), &options);
+  inputs.Check();
+  ThrowIfInvalid(options.Check());
+  RequireWritableFolder(inputs.workspace_path, "workspace");
+  WriteFileAtomically(workspace.session_ini(), line.options().ToIni());
+
+  ConsoleSink sink(line.log_level());
+  const JobControl job(&sink, &cancel);
+  const SessionSummary summary = RunSession(inputs, options, job);
+  std::cout << '\n' << SummaryTable(summary);
+  return 0;
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,60 @@
+// Every option of a session, in one place: what session.ini holds.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "colmap_ext/coverage/coverage.h"
+#include "colmap_ext/coverage/region.h"
+#include "colmap_ext/eval/evaluate.h"
+#include "colmap_ext/mission/patterns.h"
+#include "colmap_ext/mission/qgc_plan.h"
+#include "colmap_ext/mvs/points.h"
+#include "colmap_ext/mvs/superpixel_stereo.h"
+#include "colmap_ext/mvs/superpixels.h"
+#include "colmap_ext/nbv/plane_sweep.h"
+#include "colmap_ext/path/path_planner.h"
+#include "colmap_ext/sfm/sparse_update.h"
+#include "colmap_ext/sim/renderer.h"
+#include "colmap_ext/sim/simulated_camera.h"
+#include "colmap_ext/surface/poisson.h"
+#include "colmap_ext/util/options.h"
+
+namespace colmap_ext {
+
+struct SessionOptions {
+  int max_iterations = 20;  // stop after so many iterations, the first flight included, >= 1
+  int max_photos = 200;     // stop before a flight that would make more photos, >= 3
+  // Photos are scaled down to this width for the dense stages, >= 160 px (paper: 640).
+  int max_image_size_px = 1024;
+  bool pictures = true;          // write the pictures of every iteration
+  bool full_resolution = false;  // simulation: also photos at full resolution, in images_full/
+
+  std::string Check() const;
+};
+
+// The options of all stages, each under its own section.
+struct StageOptions {
+  SessionOptions session;
+  SparseUpdateOptions sparse;
+  SuperpixelOptions superpixels;
+  SuperpixelStereoOptions stereo;
+  PointSamplerOptions points;
+  SurfaceOptions surface;
+  CoverageOptions coverage;
+  RegionOptions region;
+  NextBestViewOptions nbv;
+  PathOptions path;
+  InitialFlightOptions initial_flight;
+  QgcPlanOptions mission;
+  SimulatedCameraOptions simulation;
+  RenderOptions render;
+  EvaluationOptions evaluation;
+
+  // The first complaint of any of them; empty when all is well.
+  std::string Check() const;
+};
+
+void BindOptions(OptionSet& set, StageOptions* options);
+
+}  // namespace colmap_ext

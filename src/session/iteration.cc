@@ -1,0 +1,239 @@
+#include "session/iteration.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "colmap_ext/coverage/coverage.h"
+#include "colmap_ext/coverage/region.h"
+#include "colmap_ext/eval/camera_poses.h"
+#include "colmap_ext/eval/evaluate.h"
+#include "colmap_ext/mission/qgc_plan.h"
+#include "colmap_ext/mvs/points.h"
+#include "colmap_ext/mvs/superpixel_stereo.h"
+#include "colmap_ext/nbv/plane_sweep.h"
+#include "colmap_ext/path/path_planner.h"
+#include "colmap_ext/scene/coverage_map_io.h"
+#include "colmap_ext/scene/mesh_io.h"
+#include "colmap_ext/scene/oriented_points_io.h"
+#include "colmap_ext/scene/photo_scale.h"
+#include "colmap_ext/scene/reconstruction_io.h"
+#include "colmap_ext/scene/view_plan_io.h"
+#include "colmap_ext/surface/poisson.h"
+#include "colmap_ext/util/error.h"
+#include "colmap_ext/util/files.h"
+#include "colmap_ext/util/stage_timer.h"
+#include "session/arbitrary_frame.h"
+#include "session/pictures.h"
+
+namespace colmap_ext {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Everything that the stages of one iteration hand to each other.
+struct Work {
+  IterationFiles files;
+  SparseUpdateResult sparse;
+  PhotoSet photos;
+  SuperpixelStereoResult stereo;
+  OrientedPoints points;
+  Surface surface;
+  CoverageMap coverage;
+  ViewPlanResult plan;
+  FlightPath path;
+  std::map<std::string, StageCost> cost;
+};
+
+// Runs `stage` and remembers what it cost.
+template <typename Stage>
+void Timed(const std::string& name, Work* work, const JobControl& job, const Stage& stage) {
+  job.ThrowIfCancelled();
+  const StageTimer timer;
+  stage();
+  const StageCost cost = timer.Stop();
+  work->cost[name] = cost;
+  char line[96];
+  std::snprintf(line, sizeof line, "  %-12s %6.1f s", name.c_str(), cost.wall_s);
+  job.Info(line);
+}
+
+void RunSparse(const IterationContext& context, const SessionState& state, Work* work,
+               const JobControl& job) {
+  SparseUpdateInput input = context.sparse;
+  input.database_path = context.workspace.database();
+  input.work_path = context.workspace.logs();
+  Reconstruction earlier;
+  if (state.iterations_done > 0) {
+    const IterationFiles before{context.workspace.iteration(state.iterations_done - 1)};
+    earlier = ReadReconstruction(before.sparse());
+    input.model = &earlier;
+    input.frame = ReadWorldFrame(before.frame_json());
+    input.state = ReadSparseState(before.sparse_state_json());
+  } else if (!context.initial_model_path.empty()) {
+    earlier = ReadReconstruction(context.initial_model_path);
+    input.model = &earlier;
+  }
+  work->sparse = UpdateSparseModel(input, context.options.sparse, job);
+  if (!work->sparse.frame.is_metric_enu && state.iterations_done == 0) {
+    const double depth_m = TypicalViewingDistance(context.options.coverage, work->sparse.model);
+    NormalizeArbitraryFrame(depth_m, &work->sparse.model);
+  }
+  WriteReconstructionBinary(work->sparse.model, work->files.sparse());
+  WriteWorldFrame(work->sparse.frame, work->files.frame_json());
+  WriteSparseState(work->sparse.state, work->files.sparse_state_json());
+}
+
+void RunStereo(const IterationContext& context, Work* work, const JobControl& job) {
+  const StageOptions& options = context.options;
+  work->photos = LoadPhotoSet(work->sparse.model, context.sparse.image_path.string(), true);
+  DownscalePhotos(options.session.max_image_size_px, &work->photos);
+  work->stereo = RunSuperpixelStereo(work->photos, options.superpixels, options.stereo, job);
+  work->cost["superpixels"] = work->stereo.superpixels;
+  work->cost["stereo"] = work->stereo.stereo;
+  Timed("fusion", work, job, [&] {
+    work->points = SamplePoints(work->photos, work->stereo.views, options.points);
+    WriteOrientedPoints(work->points, work->files.fused_ply());
+  });
+  work->cost["fusion"].wall_s += work->stereo.fusion.wall_s;
+  work->cost["fusion"].cpu_s += work->stereo.fusion.cpu_s;
+}
+
+void RunSurface(const IterationContext& context, SessionState* state, Work* work,
+                const JobControl& job) {
+  if (!state->region) {
+    state->region = DefaultRegion(work->photos, work->sparse.frame, context.options.region);
+  }
+  work->surface = ReconstructSurface(work->points, *state->region, context.options.surface, job);
+  WriteSurface(work->surface, work->files.surface_ply());
+}
+
+void RunCoverage(const IterationContext& context, const SessionState& state, Work* work,
+                 const JobControl& job) {
+  const CoverageOptions& options = context.options.coverage;
+  work->coverage =
+      EvaluateCoverage(work->surface, work->photos.photos, *state.region, options, job);
+  WriteCoverageMap(work->coverage, work->files.coverage_ply());
+  WriteCoverageSummary(work->coverage, ThresholdsOf(options), work->files.coverage_json());
+}
+
+// Where the vehicle is: at the last photo that was taken.
+Eigen::Vector3d VehiclePosition(const PhotoSet& photos) {
+  return CameraCenter(photos.photos.back().cam_from_world);
+}
+
+void RunPlanning(const IterationContext& context, const SessionState& state, Work* work,
+                 const JobControl& job) {
+  const StageOptions& options = context.options;
+  const PinholeCamera& camera = work->photos.photos.front().camera;
+  Timed("nbv", work, job, [&] {
+    work->plan = PlanNextViews(work->coverage, work->surface.mesh, work->photos.photos, camera,
+                               state.next_view_id, options.nbv, job);
+    WriteViews(work->plan.views, work->sparse.frame, work->files.views_json());
+  });
+  Timed("path", work, job, [&] {
+    work->path = PlanPath(VehiclePosition(work->photos), work->plan.views, work->surface.mesh,
+                          work->photos.photos, options.path, job);
+    WritePath(work->path, work->sparse.frame, work->files.path_json());
+  });
+}
+
+void WriteMission(const IterationContext& context, const SessionState& state, const Work& work,
+                  const JobControl& job) {
+  if (!work.sparse.frame.origin) {
+    job.Warn("no mission file: the world has no origin on Earth (positions were local)");
+    return;
+  }
+  QgcPlanOptions options = context.options.mission;
+  if (options.home_lat_deg == 0 && options.home_lon_deg == 0 && options.home_below_origin_m == 0) {
+    // The take-off place is not known: take the lowest ground of the region for its height.
+    options.home_below_origin_m = -state.region->box.min().z();
+  }
+  WriteFileAtomically(work.files.mission_plan(), QgcPlan(work.path, work.sparse.frame, options));
+}
+
+int CountPlannedStops(const FlightPath& path) {
+  return static_cast<int>(
+      std::count_if(path.waypoints.begin(), path.waypoints.end(),
+                    [](const Waypoint& waypoint) { return waypoint.view_id >= 0; }));
+}
+
+void Evaluate(const IterationContext& context, const Work& work, IterationSummary* summary,
+              const JobControl& job) {
+  const auto true_poses = ReadCameraPoses(context.true_poses_path);
+  const std::vector<CameraPair> pairs = PairCameras(work.sparse.model, true_poses);
+  const EvaluationOptions& options = context.options.evaluation;
+  const ModelAlignment alignment =
+      AlignModel(work.surface.mesh, context.truth->model, pairs, options, job);
+  const EvaluationResult result =
+      EvaluateModel(TransformMesh(alignment.truth_from_model, work.surface.mesh),
+                    context.truth->model, options, job);
+  WriteFileAtomically(work.files.folder / "evaluation.json",
+                      EvaluationToJson(result, alignment, options));
+  summary->mean_error_m = result.mean_error_m;
+  summary->rms_error_m = result.rms_error_m;
+  for (const ThresholdScore& score : result.scores) {
+    summary->completeness.push_back({ThresholdKey(score.threshold_m), score.completeness});
+  }
+}
+
+// covered / (covered + uncovered ones that a view could see well).
+double ReachableCoveredRatio(const Work& work) {
+  const auto covered = static_cast<double>(work.coverage.Count(CoverageClass::kCovered));
+  const double all = covered + static_cast<double>(work.plan.reachable_uncovered);
+  return all > 0 ? covered / all : 1.0;
+}
+
+IterationSummary Summarize(const Work& work) {
+  IterationSummary summary;
+  summary.registered = static_cast<int>(work.sparse.registered.size());
+  summary.photos = summary.registered + static_cast<int>(work.sparse.unregistered.size());
+  summary.unregistered = work.sparse.unregistered;
+  summary.covered_ratio = work.coverage.CoveredRatio();
+  return summary;
+}
+
+}  // namespace
+
+IterationResult RunIteration(const IterationContext& context, SessionState* state,
+                             const JobControl& job) {
+  const StageTimer timer;
+  Work work;
+  work.files.folder = context.workspace.iteration(state->iterations_done);
+  Timed("sparse", &work, job, [&] { RunSparse(context, *state, &work, job); });
+  RunStereo(context, &work, job);
+  Timed("surface", &work, job, [&] { RunSurface(context, state, &work, job); });
+  Timed("coverage", &work, job, [&] { RunCoverage(context, *state, &work, job); });
+
+  IterationResult result;
+  result.summary = Summarize(work);
+  if (work.sparse.frame.is_metric_enu) {
+    RunPlanning(context, *state, &work, job);
+    result.stop_reason = work.plan.stop_reason;
+    result.summary.reachable_covered_ratio = ReachableCoveredRatio(work);
+    result.summary.planned_views = CountPlannedStops(work.path);
+    if (result.stop_reason.empty() && result.summary.planned_views == 0) {
+      result.stop_reason = "nothing_reachable";
+    }
+    if (result.stop_reason.empty()) WriteMission(context, *state, work, job);
+    state->next_view_id += static_cast<int>(work.plan.views.size());
+  } else {
+    result.planning_refusal =
+        "the model has no metric scale: give photos with GPS, --geo_path or --pose_prior_path";
+  }
+  if (context.truth != nullptr) {
+    Timed("evaluation", &work, job, [&] { Evaluate(context, work, &result.summary, job); });
+  }
+  if (context.options.session.pictures) {
+    Timed("pictures", &work, job, [&] {
+      WriteIterationPictures(
+          {work.photos, work.stereo.views, work.surface, work.coverage, work.plan.views, work.path},
+          work.files.pictures());
+    });
+  }
+  for (const auto& [stage, cost] : work.cost) result.summary.stage_wall_s[stage] = cost.wall_s;
+  result.summary.wall_s = timer.Stop().wall_s;
+  WriteFileAtomically(work.files.timing_json(), StageCostsToJson(work.cost));
+  return result;
+}
+
+}  // namespace colmap_ext

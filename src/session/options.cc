@@ -1,0 +1,85 @@
+#include <initializer_list>
+
+#include "colmap_ext/session/presets.h"
+#include "colmap_ext/session/session_options.h"
+#include "colmap_ext/util/error.h"
+
+namespace colmap_ext {
+
+std::string SessionOptions::Check() const {
+  if (max_iterations < 1) return "Session.max_iterations must be at least 1";
+  if (max_photos < 3) return "Session.max_photos must be at least 3";
+  if (max_image_size_px < 160) return "Session.max_image_size_px must be at least 160";
+  return "";
+}
+
+std::string StageOptions::Check() const {
+  for (const std::string& complaint :
+       {session.Check(), sparse.Check(), superpixels.Check(), stereo.Check(), points.Check(),
+        surface.Check(), coverage.Check(), region.Check(), nbv.Check(), path.Check(),
+        initial_flight.Check(), mission.Check(), simulation.Check(), render.Check(),
+        evaluation.Check()}) {
+    if (!complaint.empty()) return complaint;
+  }
+  return "";
+}
+
+void BindOptions(OptionSet& set, StageOptions* options) {
+  SessionOptions& session = options->session;
+  set.Add("Session", "max_iterations", &session.max_iterations,
+          "stop after so many iterations, the first flight included [>= 1]");
+  set.Add("Session", "max_photos", &session.max_photos,
+          "stop before a flight that would make more photos [>= 3]");
+  set.Add("Session", "max_image_size_px", &session.max_image_size_px,
+          "photos are scaled down to this width for the dense stages [px, >= 160]");
+  set.Add("Session", "pictures", &session.pictures, "write the pictures of every iteration");
+  set.Add("Session", "full_resolution", &session.full_resolution,
+          "simulation: also photos at full resolution, in images_full/");
+  BindOptions(set, &options->sparse);
+  BindOptions(set, &options->superpixels);
+  BindOptions(set, &options->stereo);
+  BindOptions(set, &options->points);
+  BindOptions(set, &options->surface);
+  BindOptions(set, &options->coverage);
+  BindOptions(set, &options->region);
+  BindOptions(set, &options->nbv);
+  BindOptions(set, &options->path);
+  BindOptions(set, &options->initial_flight);
+  BindOptions(set, &options->mission);
+  BindOptions(set, &options->simulation);
+  BindOptions(set, &options->render);
+  BindOptions(set, &options->evaluation);
+}
+
+void ApplyPreset(const std::string& preset, const OptionSet& set, StageOptions* options) {
+  if (preset == "outdoor") return;  // the defaults
+  if (preset != "indoor") {
+    throw UsageError("--preset " + preset + ": must be outdoor or indoor");
+  }
+  // The paper's Vicon room: cardboard buildings of a metre or two, photographed from a metre or
+  // two.
+  const auto assign = [&set](const char* name, double value, double* option) {
+    if (!set.IsSet(name)) *option = value;
+  };
+  assign("InitialFlight.offset_m", 1.0, &options->initial_flight.offset_m);
+  assign("InitialFlight.height_above_top_m", 0.2, &options->initial_flight.height_above_top_m);
+  assign("NextBestView.safe_distance_m", 0.6, &options->nbv.safe_distance_m);
+  assign("NextBestView.grid_spacing_m", 0.2, &options->nbv.grid_spacing_m);
+  assign("NextBestView.nms_radius_m", 0.2, &options->nbv.nms_radius_m);
+  assign("NextBestView.max_distance_to_existing_m", 0.5, &options->nbv.max_distance_to_existing_m);
+  assign("Path.safe_distance_m", 0.5, &options->path.safe_distance_m);
+  assign("Path.cell_size_m", 0.15, &options->path.cell_size_m);
+  assign("Path.detour_margin_m", 1.0, &options->path.detour_margin_m);
+  assign("Path.flown_margin_m", 0.5, &options->path.flown_margin_m);
+  assign("Path.start_tolerance_m", 0.2, &options->path.start_tolerance_m);
+  assign("Path.speed_m_s", 0.5, &options->path.speed_m_s);
+  assign("Coverage.ground_sampling_distance_mm", 5.0,
+         &options->coverage.ground_sampling_distance_mm);
+  assign("Pairing.max_distance_m", 1.5, &options->sparse.pairing.max_distance_m);
+  assign("Georegistration.max_residual_m", 0.5, &options->sparse.georegistration.max_residual_m);
+  assign("Georegistration.loss_scale_m", 0.05, &options->sparse.georegistration.loss_scale_m);
+  assign("Simulation.gps_noise_m", 0.01, &options->simulation.gps_noise_m);  // a Vicon room
+  assign("ModelEvaluator.sample_spacing_m", 0.02, &options->evaluation.sample_spacing_m);
+}
+
+}  // namespace colmap_ext

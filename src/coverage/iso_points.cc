@@ -1,5 +1,6 @@
 #include "colmap_ext/coverage/iso_points.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -15,20 +16,44 @@ double AutomaticSpacing(double area_m2) {
   return std::sqrt(0.7 * area_m2 / kWantedPoints);
 }
 
-// Linear interpolation of a vertex property at a point of a face, by the areas of the parts.
-double Interpolate(const TriangleMesh& mesh, const std::vector<double>& value_of_vertex,
-                   const SurfaceSample& sample) {
+// Weights of the corners of its face at a sample (barycentric coordinates), by the areas of the
+// parts.
+Eigen::Vector3d CornerWeights(const TriangleMesh& mesh, const SurfaceSample& sample) {
   const Eigen::Vector3i& face = mesh.faces[static_cast<std::size_t>(sample.face)];
-  double weighted = 0, total = 0;
+  Eigen::Vector3d weights;
   for (int k = 0; k < 3; ++k) {
-    const auto vertex = static_cast<std::size_t>(face[k]);
     const Eigen::Vector3d& b = mesh.vertices[static_cast<std::size_t>(face[(k + 1) % 3])];
     const Eigen::Vector3d& c = mesh.vertices[static_cast<std::size_t>(face[(k + 2) % 3])];
-    const double part = (b - sample.position).cross(c - sample.position).norm();
-    weighted += part * value_of_vertex[vertex];
-    total += part;
+    weights[k] = (b - sample.position).cross(c - sample.position).norm();
   }
-  return weighted / total;  // > 0: degenerate faces get no samples
+  return weights / weights.sum();  // > 0: degenerate faces get no samples
+}
+
+double LongestEdge(const TriangleMesh& mesh, const Eigen::Vector3i& face) {
+  double longest = 0;
+  for (int k = 0; k < 3; ++k) {
+    longest = std::max(longest, (mesh.vertices[static_cast<std::size_t>(face[k])] -
+                                 mesh.vertices[static_cast<std::size_t>(face[(k + 1) % 3])])
+                                    .norm());
+  }
+  return longest;
+}
+
+// An iso-point stands for a disk. On faces much smaller than the disk the normals of the vertices,
+// means over the faces around, are nearer to the disk's normal than that of one rough little face;
+// larger faces (a mesh drawn by hand) are what the disk lies on.
+Eigen::Vector3d DiskNormal(const TriangleMesh& mesh,
+                           const std::vector<Eigen::Vector3d>& vertex_normals,
+                           const SurfaceSample& sample, const Eigen::Vector3d& weights,
+                           double spacing_m) {
+  const Eigen::Vector3i& face = mesh.faces[static_cast<std::size_t>(sample.face)];
+  if (LongestEdge(mesh, face) > 0.75 * spacing_m) return sample.normal;
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  for (int k = 0; k < 3; ++k) {
+    normal += weights[k] * vertex_normals[static_cast<std::size_t>(face[k])];
+  }
+  constexpr double kMinLength = 0.3;  // less: the faces around contradict each other
+  return normal.norm() > kMinLength ? normal.normalized() : sample.normal;
 }
 
 }  // namespace
@@ -49,13 +74,21 @@ IsoPoints SampleIsoPoints(const Surface& surface, double spacing_m, std::uint64_
   IsoPoints iso;
   iso.spacing_m = spacing_m > 0 ? spacing_m : AutomaticSpacing(area);
   const double no_support = BoundsOf(mesh).diagonal().norm();
+  const std::vector<Eigen::Vector3d> vertex_normals = VertexNormals(mesh);
   for (const SurfaceSample& sample : SamplePoissonDisk(mesh, iso.spacing_m, seed)) {
     IsoPoint point;
     point.position = sample.position;
-    point.normal = sample.normal;
-    point.sample_spacing_m = surface.sample_spacing_m.empty()
-                                 ? no_support
-                                 : Interpolate(mesh, surface.sample_spacing_m, sample);
+    const Eigen::Vector3d weights = CornerWeights(mesh, sample);
+    point.normal = DiskNormal(mesh, vertex_normals, sample, weights, iso.spacing_m);
+    point.sample_spacing_m = no_support;
+    if (!surface.sample_spacing_m.empty()) {
+      const Eigen::Vector3i& face = mesh.faces[static_cast<std::size_t>(sample.face)];
+      point.sample_spacing_m = 0;
+      for (int k = 0; k < 3; ++k) {
+        point.sample_spacing_m +=
+            weights[k] * surface.sample_spacing_m[static_cast<std::size_t>(face[k])];
+      }
+    }
     iso.points.push_back(point);
   }
   iso.disk_area_m2 = area / static_cast<double>(iso.points.size());

@@ -13,8 +13,8 @@ namespace colmap_ext {
 namespace {
 
 constexpr std::size_t kMinPoints = 10;
-constexpr double kLowPercentile = 0.01;
-constexpr double kHighPercentile = 0.99;
+constexpr double kLowPercentile = 0.005;
+constexpr double kHighPercentile = 0.995;
 constexpr double kGroundPercentile = 0.05;
 
 struct WeightedPoint {
@@ -47,18 +47,25 @@ BoundingBox PercentileBounds(const std::vector<WeightedPoint>& points) {
   return box;
 }
 
-std::vector<Eigen::Vector2d> HullOfCenters(const std::vector<PosedPhoto>& photos) {
+// Hull of the camera centres, drawn in by a tenth: what the cameras fly along (the walls of a room)
+// is not what they fly around.
+std::vector<Eigen::Vector2d> HullOfFlight(const std::vector<PosedPhoto>& photos) {
+  constexpr double kShrink = 0.9;
   std::vector<Eigen::Vector2d> centers;
   for (const PosedPhoto& photo : photos) {
     centers.emplace_back(CameraCenter(photo.cam_from_world).head<2>());
   }
-  return ConvexHull(std::move(centers));
+  std::vector<Eigen::Vector2d> hull = ConvexHull(std::move(centers));
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& corner : hull) middle += corner / static_cast<double>(hull.size());
+  for (Eigen::Vector2d& corner : hull) corner = middle + kShrink * (corner - middle);
+  return hull;
 }
 
 // Points in the hull of the camera centres; empty when these are too few to go by.
 std::vector<WeightedPoint> PointsInsideFlight(const PhotoSet& photos) {
   constexpr double kMinPartInside = 0.1;
-  const std::vector<Eigen::Vector2d> hull = HullOfCenters(photos.photos);
+  const std::vector<Eigen::Vector2d> hull = HullOfFlight(photos.photos);
   // A straight flight has a hull, but one that is as thin as its errors.
   BoundingBox bounds;
   for (const Eigen::Vector2d& corner : hull)
@@ -78,7 +85,7 @@ std::vector<WeightedPoint> PointsInsideFlight(const PhotoSet& photos) {
 
 // Those that stand out of the ground; all of them when hardly any does.
 std::vector<WeightedPoint> PointsOfObject(const std::vector<WeightedPoint>& inside, double ground) {
-  constexpr double kGroundThickness = 0.15;  // part of the height
+  constexpr double kGroundThickness = 0.06;  // part of the height
   constexpr double kMinPartStanding = 0.05;
   // A bump of the ground is no object: an object's height is a good part of its surroundings'
   // width.
@@ -202,6 +209,9 @@ RegionOfInterest DefaultRegion(const PhotoSet& photos, const WorldFrame& frame,
   const double margin = options.margin_ratio * std::max(box.sizes().x(), box.sizes().y());
   box.min().array() -= margin;
   box.max().array() += margin;
+  // Spires and chimneys have few points; above them is only air.
+  constexpr double kTopMargin = 0.1;  // part of the height
+  if (frame.is_metric_enu) box.max().z() += kTopMargin * box.sizes().z();
   return {box};
 }
 

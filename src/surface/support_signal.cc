@@ -56,17 +56,19 @@ SupportSpacing ComputeSupportSpacing(const ThinnedCloud& cloud, const TriangleMe
   const auto compute_vertex = [&](std::size_t vertex) {
     const std::vector<Neighbor> neighbors = search.Nearest(mesh.vertices[vertex], kNumNeighbors);
     Support support;
+    double weight_of_all = 0;
     // The furthest neighbour bounds the disk, and is not counted inside it: without that the
     // density of k points would come out k / (k - 1) times too high.
     for (std::size_t i = 0; i + 1 < neighbors.size(); ++i) {
       const std::size_t point = neighbors[i].index;
-      if (cloud.normals[point].dot(vertex_normals[vertex]) < kMinCosNormals) continue;
+      const bool agrees = cloud.normals[point].dot(vertex_normals[vertex]) >= kMinCosNormals;
       for (std::size_t k = cloud.photo_begin[point]; k < cloud.photo_begin[point + 1]; ++k) {
-        support.Add(cloud.photo_weights[k]);
+        weight_of_all += cloud.photo_weights[k].weight;
+        if (agrees) support.Add(cloud.photo_weights[k]);
       }
     }
     const double squared_radius = neighbors.back().squared_distance;
-    spacing.all[vertex] = SpacingOf(support.weight, squared_radius, max_spacing_m);
+    spacing.all[vertex] = SpacingOf(weight_of_all, squared_radius, max_spacing_m);
     spacing.independent[vertex] =
         SpacingOf(support.WithoutStrongestPhoto(), squared_radius, max_spacing_m);
   };

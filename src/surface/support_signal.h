@@ -10,8 +10,10 @@ namespace colmap_ext {
 
 // One entry a vertex, metres, both at most `max_spacing_m`.
 struct SupportSpacing {
-  std::vector<double> all;          // of all points
-  std::vector<double> independent;  // without the photo that gives most (see poisson.h)
+  // Of all points, whatever their normals: how far from any support a vertex is.
+  std::vector<double> all;
+  // Of points whose normals agree with the vertex's, without the photo that gives most (poisson.h).
+  std::vector<double> independent;
 };
 
 // Spacing of the points around each vertex of `mesh`, from its 24 nearest points; those whose

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "colmap_ext/util/error.h"
 #include "coverage/test_scene.h"
 
@@ -49,6 +51,34 @@ TEST(SampleIsoPoints, SignalIsInterpolatedOnTheFace) {
   for (const IsoPoint& point : SampleIsoPoints(surface, 0.3, 1).points) {
     EXPECT_NEAR(point.sample_spacing_m, 1 + 0.1 * point.position.x() + 0.02 * point.position.z(),
                 1e-9);
+  }
+}
+
+TEST(SampleIsoPoints, RoughnessOfLittleFacesIsSmoothed) {
+  Surface surface;
+  AppendPanel({-5, 0, 0}, {10, 0, 0}, {0, 0, 6}, 100, &surface.mesh);
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0, 0.02);
+  for (Eigen::Vector3d& vertex : surface.mesh.vertices) vertex.y() += noise(random);
+  const auto mean_slant = [&surface](double spacing_m) {
+    double sum = 0;
+    const IsoPoints iso = SampleIsoPoints(surface, spacing_m, 1);
+    for (const IsoPoint& point : iso.points) sum += std::acos(-point.normal.y());
+    return sum / static_cast<double>(iso.points.size());
+  };
+  EXPECT_LT(mean_slant(0.3), 0.6 * mean_slant(0.15));  // edges of 0.06 to 0.12 m
+}
+
+TEST(SampleIsoPoints, LargeFacesKeepTheirNormals) {
+  Surface cube;
+  for (const double z : {0.0, 1.0}) {
+    for (const double y : {0.0, 1.0}) {
+      for (const double x : {0.0, 1.0}) cube.mesh.vertices.emplace_back(x, y, z);
+    }
+  }
+  cube.mesh.faces = {{4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4}};  // top and south
+  for (const IsoPoint& point : SampleIsoPoints(cube, 0.1, 1).points) {
+    EXPECT_NEAR(point.normal.cwiseAbs().maxCoeff(), 1, 1e-12);
   }
 }
 

@@ -73,7 +73,7 @@ TEST(DefaultRegion, BoundsTheBuildingOfAFlightAroundIt) {
   EXPECT_NEAR(box.min().y(), -10, 0.6);
   EXPECT_NEAR(box.max().y(), 10, 0.6);
   EXPECT_NEAR(box.min().z(), 0, 0.3);
-  EXPECT_NEAR(box.max().z(), 12, 0.6);
+  EXPECT_NEAR(box.max().z(), 12 * 1.1, 0.6);
 }
 
 TEST(DefaultRegion, MarginWidensEachSide) {
@@ -85,7 +85,9 @@ TEST(DefaultRegion, MarginWidensEachSide) {
   const BoundingBox outer = DefaultRegion(set, Enu(), wide).box;
   const double margin = 0.1 * inner.sizes().head<2>().maxCoeff();
   EXPECT_NEAR((inner.min() - outer.min() - Eigen::Vector3d::Constant(margin)).norm(), 0, 1e-9);
-  EXPECT_NEAR((outer.max() - inner.max() - Eigen::Vector3d::Constant(margin)).norm(), 0, 1e-9);
+  EXPECT_NEAR((outer.max() - inner.max()).x(), margin, 1e-9);
+  EXPECT_NEAR((outer.max() - inner.max()).y(), margin, 1e-9);
+  EXPECT_GT(outer.max().z(), inner.max().z() + margin);
 }
 
 TEST(DefaultRegion, FlatGroundFromAboveIsAllOfInterest) {

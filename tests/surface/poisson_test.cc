@@ -170,6 +170,33 @@ TEST(ReconstructSurface, HolesStayClosedAndFarSurfaceIsTrimmed) {
   EXPECT_LT(trimmed.mesh.faces.size(), surface.mesh.faces.size());
 }
 
+TEST(ReconstructSurface, UndersidesThatNobodySawStayClosed) {
+  OrientedPoints points;  // a slab seen from above and from its sides, as a roof with deep eaves
+  AppendPlane(2, 2, 8, 8, 1, 0.1, -1, &points);
+  for (double along = 2.05; along < 8; along += 0.1) {
+    for (double z = 0.05; z < 1; z += 0.1) {
+      points.push_back(MakePoint({2, along, z}, {-1, 0, 0}));
+      points.push_back(MakePoint({8, along, z}, {1, 0, 0}));
+      points.push_back(MakePoint({along, 2, z}, {0, -1, 0}));
+      points.push_back(MakePoint({along, 8, z}, {0, 1, 0}));
+    }
+  }
+  SurfaceOptions options;
+  options.resolution_m = 0.2;
+  options.trim_spacing_m = 1;
+  const RegionOfInterest region = Region({0, 0, -3}, {10, 10, 3});
+  const Surface surface = ReconstructSurface(points, region, options, JobControl());
+  int below = 0;
+  for (std::size_t i = 0; i < surface.mesh.vertices.size(); ++i) {
+    const Eigen::Vector3d& vertex = surface.mesh.vertices[i];
+    const Eigen::Vector2d from_middle = (vertex.head<2>() - Eigen::Vector2d(5, 5)).cwiseAbs();
+    if (vertex.z() > 0.5 || from_middle.maxCoeff() > 2) continue;
+    ++below;
+    EXPECT_GT(surface.sample_spacing_m[i], 0.3);  // there, but without signal
+  }
+  EXPECT_GT(below, 10);
+}
+
 TEST(ReconstructSurface, NothingOutsideTheWidenedRegion) {
   OrientedPoints points;
   AppendPlane(0, 0, 10, 10, 0, 0.1, -1, &points);

@@ -36,7 +36,7 @@ std::string FormatBox(const BoundingBox& box);
 // hull. When nothing stands out, all points inside the hull. When few points lie inside the hull (a
 // straight flight, a room photographed from its middle) and in frames whose vertical is unknown,
 // the points are weighted by the photos that have them in the middle half of the picture. Each side
-// lies at the 1st or 99th percentile, widened by the margin; the bottom is the ground less the
+// lies at the 0.5th or 99.5th percentile, widened by the margin; the bottom is the ground less the
 // margin.
 //
 // Throws Error when there are fewer than 10 points and no box is given.

@@ -176,6 +176,16 @@ TEST(EvaluationToJson, HasTheDocumentedNames) {
   EXPECT_FALSE(json.at("alignment").contains("cameras"));
 }
 
+TEST(DistancesToSurface, KnownDistances) {
+  const std::vector<double> distances =
+      DistancesToSurface({{1, 1, 2}, {1, 1, -3}, {-3, -4, 0}}, Plane(2, 1));
+  ASSERT_EQ(distances.size(), 3u);
+  EXPECT_NEAR(distances[0], 2, 1e-12);
+  EXPECT_NEAR(distances[1], 3, 1e-12);
+  EXPECT_NEAR(distances[2], 5, 1e-12);
+  EXPECT_THROW(DistancesToSurface({{0, 0, 0}}, {}), Error);
+}
+
 TEST(AlignModel, WithoutIcpAndCamerasNothingMoves) {
   EvaluationOptions options;
   options.icp.max_iterations = 0;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "colmap_ext/coverage/projection_ratio.h"
+#include "nbv/position_view.h"
 
 namespace colmap_ext {
 namespace {
@@ -64,6 +64,24 @@ std::vector<Eigen::Vector3d> GridAround(const std::vector<Anchor>& anchors, doub
   return positions;
 }
 
+// The weighted score of each direction, without lists.
+std::vector<double> WeightedScores(const SearchContext& context, const UncoveredPoints& points,
+                                   const Eigen::Vector3d& position,
+                                   const std::vector<ViewDirection>& directions) {
+  std::vector<double> scores(directions.size(), 0);
+  PositionView view(context, position, directions);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!view.LookAt(points.position(i), points.normal(i))) continue;
+    const double weight = points.WeightFrom(i, position);
+    if (weight <= 0 ||
+        !context.engine.IsUnoccluded(position, points.position(i), points.normal(i))) {
+      continue;
+    }
+    for (const auto& [k, ratio] : view.seen()) scores[k] += weight * ratio;
+  }
+  return scores;
+}
+
 }  // namespace
 
 bool IsNearInAngle(const NextBestViewOptions& options, double a_rad, double b_rad) {
@@ -77,7 +95,8 @@ bool IsFreePosition(const SearchContext& context, const Eigen::Vector3d& positio
   const double max_altitude_m = context.options.max_altitude_m;
   if (max_altitude_m != 0 && position.z() > max_altitude_m) return false;
   const double least_m = context.options.safe_distance_m + kClearanceMargin_m;
-  return context.engine.ray_scene().DistanceToSurface(position, least_m + 1) >= least_m;
+  if (context.engine.ray_scene().DistanceToSurface(position, least_m + 1) < least_m) return false;
+  return !context.may_fly || context.may_fly(position);
 }
 
 double UsefulRange(const SearchContext& context) {
@@ -99,35 +118,17 @@ std::vector<Candidate> EvaluatePosition(const SearchContext& context, const Unco
                                         const Eigen::Vector3d& position,
                                         const std::vector<ViewDirection>& directions) {
   std::vector<Candidate> candidates(directions.size());
-  std::vector<Rigid3d> poses(directions.size());
   for (std::size_t k = 0; k < directions.size(); ++k) {
     candidates[k].position = position;
     candidates[k].direction = directions[k];
-    poses[k] = CamFromWorld(position, directions[k]);
   }
-  const double range = UsefulRange(context);
-  std::vector<double> ratios(directions.size());
+  PositionView view(context, position, directions);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3d to_camera = position - points.position(i);
-    if (to_camera.squaredNorm() > range * range || points.normal(i).dot(to_camera) <= 0) continue;
-    bool is_seen = false;
-    for (std::size_t k = 0; k < directions.size(); ++k) {
-      ratios[k] = 0;
-      if (!context.engine.IsInView(context.camera, poses[k], points.position(i),
-                                   points.normal(i))) {
-        continue;
-      }
-      const double ratio =
-          ProjectionRatio(context.camera, poses[k], points.position(i), points.normal(i));
-      if (ratio >= context.min_projection_ratio) ratios[k] = ratio;
-      is_seen = is_seen || ratios[k] > 0;
-    }
-    if (!is_seen || !context.engine.IsUnoccluded(position, points.position(i), points.normal(i))) {
+    if (!view.LookAt(points.position(i), points.normal(i)) ||
+        !context.engine.IsUnoccluded(position, points.position(i), points.normal(i))) {
       continue;
     }
-    for (std::size_t k = 0; k < directions.size(); ++k) {
-      if (ratios[k] > 0) candidates[k].seen.push_back({i, ratios[k]});
-    }
+    for (const auto& [k, ratio] : view.seen()) candidates[k].seen.push_back({i, ratio});
   }
   return candidates;
 }
@@ -150,6 +151,31 @@ std::vector<Candidate> EvaluatePlane(const SearchContext& context, const Uncover
     }
   }
   return candidates;
+}
+
+std::vector<double> BestScoresOnPlane(const SearchContext& context, const UncoveredPoints& points,
+                                      const std::vector<Anchor>& anchors, double altitude_m,
+                                      const std::vector<double>& pitches_rad) {
+  const std::vector<Eigen::Vector3d> positions = GridAround(anchors, altitude_m, context.options);
+  std::vector<std::vector<double>> by_position(positions.size());
+  tbb::parallel_for(std::size_t{0}, positions.size(), [&](std::size_t i) {
+    const std::vector<ViewDirection> directions =
+        AdmissibleDirections(context, anchors, positions[i], pitches_rad);
+    if (directions.empty() || !IsFreePosition(context, positions[i])) return;
+    const std::vector<double> scores = WeightedScores(context, points, positions[i], directions);
+    by_position[i].resize(pitches_rad.size(), 0);
+    for (std::size_t k = 0; k < directions.size(); ++k) {
+      for (std::size_t p = 0; p < pitches_rad.size(); ++p) {
+        if (directions[k].pitch_rad != pitches_rad[p]) continue;
+        by_position[i][p] = std::max(by_position[i][p], scores[k]);
+      }
+    }
+  });
+  std::vector<double> best(pitches_rad.size(), 0);
+  for (const std::vector<double>& scores : by_position) {
+    for (std::size_t p = 0; p < scores.size(); ++p) best[p] = std::max(best[p], scores[p]);
+  }
+  return best;
 }
 
 double PlainScore(const Candidate& candidate) {

@@ -124,15 +124,9 @@ class PlaneSweep {
       job_.ThrowIfCancelled();
       std::vector<double> pitches;
       for (const Plane* plane : planes) pitches.push_back(context_.pitches_rad[plane->pitch_index]);
-      std::map<double, double> best_of_pitch;
-      for (const Candidate& candidate :
-           EvaluatePlane(context_, *points_, anchors_, altitude, pitches)) {
-        double& best = best_of_pitch[candidate.direction.pitch_rad];
-        best = std::max(best, WeightedScore(candidate, *points_));
-      }
-      for (Plane* plane : planes) {
-        plane->best_score = best_of_pitch[context_.pitches_rad[plane->pitch_index]];
-      }
+      const std::vector<double> best =
+          BestScoresOnPlane(context_, *points_, anchors_, altitude, pitches);
+      for (std::size_t i = 0; i < planes.size(); ++i) planes[i]->best_score = best[i];
       job_.Progress("next best views", ++done, by_altitude.size());
     }
   }
@@ -232,7 +226,8 @@ void AddBridge(const SearchContext& context, const std::vector<Anchor>& anchors,
 ViewPlanResult PlanNextViews(const CoverageMap& coverage, const TriangleMesh& surface,
                              const std::vector<PosedPhoto>& existing, const PinholeCamera& camera,
                              int first_id, const NextBestViewOptions& options,
-                             const JobControl& job) {
+                             const JobControl& job,
+                             const std::function<bool(const Eigen::Vector3d&)>& may_fly) {
   ThrowIfInvalid(options.Check());
   if (existing.empty())
     throw Error("next best views: there are no registered photos to go on from");
@@ -251,7 +246,8 @@ ViewPlanResult PlanNextViews(const CoverageMap& coverage, const TriangleMesh& su
                               coverage.min_projection_ratio,
                               LowestAltitude(coverage, options),
                               EvenPitches(options),
-                              EvenYaws(options.num_yaws)};
+                              EvenYaws(options.num_yaws),
+                              may_fly};
   std::vector<Anchor> anchors;
   for (const PosedPhoto& photo : existing) {
     anchors.push_back({CameraCenter(photo.cam_from_world), ViewDirectionOf(photo.cam_from_world)});

@@ -17,16 +17,12 @@ namespace {
 constexpr int kDepthWidth = 96;
 constexpr int kDepthHeight = 54;
 
-// Corners of a polyhedron inside the unit ball: of an octahedron and of a cube.
+// Corners of a polyhedron inside the unit ball: towards the faces, edges and corners of a cube.
 std::vector<Eigen::Vector3d> CornersInUnitBall() {
   std::vector<Eigen::Vector3d> corners;
-  for (int axis = 0; axis < 3; ++axis) {
-    corners.push_back(Eigen::Vector3d::Unit(axis));
-    corners.push_back(-Eigen::Vector3d::Unit(axis));
-  }
-  for (int i = 0; i < 8; ++i) {
-    const Eigen::Vector3d corner((i & 1) ? 1 : -1, (i & 2) ? 1 : -1, (i & 4) ? 1 : -1);
-    corners.push_back(corner.normalized());
+  for (int i = 0; i < 27; ++i) {
+    const Eigen::Vector3d corner(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+    if (corner.norm() > 0) corners.push_back(corner.normalized());
   }
   return corners;
 }

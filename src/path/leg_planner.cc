@@ -12,14 +12,13 @@ namespace {
 
 constexpr double kMaxCells = 2e8;
 
-std::size_t CheckedNumCells(const Eigen::AlignedBox3d& box, double cell_size_m) {
+void RequireNotTooManyCells(const Eigen::AlignedBox3d& box, double cell_size_m) {
   const Eigen::Vector3d cells = (box.sizes() / cell_size_m).array().ceil().max(1.0);
   if (!(cells.prod() <= kMaxCells)) {
     throw Error(
         "path: the search grid would have more than 200 million cells; choose a larger "
         "--Path.cell_size_m or a smaller --Path.detour_margin_m");
   }
-  return static_cast<std::size_t>(cells.prod());
 }
 
 }  // namespace
@@ -27,8 +26,12 @@ std::size_t CheckedNumCells(const Eigen::AlignedBox3d& box, double cell_size_m) 
 LegPlanner::LegPlanner(const FreeSpace& free_space, const Eigen::AlignedBox3d& box,
                        const PathOptions& options)
     : free_space_(free_space), options_(options) {
-  CheckedNumCells(box, options.cell_size_m);
-  grid_ = VoxelGrid(box, options.cell_size_m);
+  // At multiples of the cell size: what is known does not depend on which views are planned.
+  const Eigen::Vector3d low =
+      (box.min() / options.cell_size_m).array().floor() * options.cell_size_m;
+  const Eigen::AlignedBox3d aligned(low, box.max());
+  RequireNotTooManyCells(aligned, options.cell_size_m);
+  grid_ = VoxelGrid(aligned, options.cell_size_m);
   clearance_m_ = std::vector<std::atomic<float>>(grid_.NumCells());
   is_known_ = std::vector<std::atomic<signed char>>(grid_.NumCells());
   for (std::size_t i = 0; i < grid_.NumCells(); ++i) {

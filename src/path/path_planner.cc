@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 
 #include "colmap_ext/path/clearance.h"
 #include "colmap_ext/util/error.h"
@@ -220,6 +221,27 @@ void SortDropped(const std::vector<PlannedView>& views, FlightPath* path) {
 }
 
 }  // namespace
+
+std::function<bool(const Eigen::Vector3d&)> FlyablePositions(const TriangleMesh& surface,
+                                                             const std::vector<PosedPhoto>& photos,
+                                                             const Eigen::Vector3d& start,
+                                                             const PathOptions& options) {
+  ThrowIfInvalid(options.Check());
+  const auto space = std::make_shared<const FreeSpace>(
+      surface, photos, std::vector<Eigen::Vector3d>{start},
+      FreeSpaceOptions{options.safe_distance_m, options.flown_margin_m});
+  return [space, options](const Eigen::Vector3d& point) {
+    if (!point.allFinite()) return false;
+    if (options.max_altitude_m != 0 && point.z() > options.max_altitude_m) return false;
+    const double least = options.safe_distance_m + options.proof_tolerance_m;
+    if (space->ray_scene().DistanceToSurface(point, least + 1) < least) return false;
+    if (options.unknown == "free") return true;
+    const VoxelGrid grid(Eigen::AlignedBox3d(Eigen::Vector3d::Zero()), options.cell_size_m);
+    return grid.AllOnSegment(point, point, [&](const Cell& cell) {
+      return space->IsKnownFree(grid.Center(cell), grid.cell_size_m() / 2);
+    });
+  };
+}
 
 void RequireMetric(const WorldFrame& frame) {
   if (!frame.is_metric_enu) {

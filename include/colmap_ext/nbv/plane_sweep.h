@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -107,6 +108,9 @@ struct ViewPlanResult {
 // needs
 //   two views goes on counting until it has both.
 // - Bridges, see there.
+// - `may_fly`: views are only planned where it is true (null: everywhere). Give it the path
+// planner's
+//   FlyablePositions, else the loop can stall on views that no path leads to. Must be thread-safe.
 // Ties go to the lower pitch, the higher plane, then the southern, western, first yaw.
 //
 // `coverage.min_projection_ratio` is γ_min. `existing`: all registered photos. `camera`: of the
@@ -115,6 +119,7 @@ struct ViewPlanResult {
 ViewPlanResult PlanNextViews(const CoverageMap& coverage, const TriangleMesh& surface,
                              const std::vector<PosedPhoto>& existing, const PinholeCamera& camera,
                              int first_id, const NextBestViewOptions& options,
-                             const JobControl& job);
+                             const JobControl& job,
+                             const std::function<bool(const Eigen::Vector3d&)>& may_fly = nullptr);
 
 }  // namespace colmap_ext

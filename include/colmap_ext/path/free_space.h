@@ -16,7 +16,7 @@ struct FreeSpaceOptions {
   double above_top_m = 5;
   // Metres, >= 0. All that is nearer than this to the convex hull of the flown positions is known
   // free: the pilot vouches for the first flight, and later ones stay in what is known.
-  double flown_margin_m = 3;
+  double flown_margin_m = 5;
 
   std::string Check() const;
 };
@@ -32,7 +32,7 @@ class FreeSpace {
   // Whether the whole ball is known to be free, by one of:
   // - it lies above the highest reconstructed point by above_top_m;
   // - it lies within flown_margin_m of the convex hull of photo positions and `flown` (the ball
-  //   around each is replaced by a polyhedron of 14 corners inside it, so a little less);
+  //   around each is replaced by a polyhedron of 26 corners inside it, so a little less);
   // - some photo has seen past it: each of the photo's rays that meets it goes on to the surface
   //   behind it. Rays that meet no surface prove nothing.
   // Nothing is said about the surface itself: see Clearance.

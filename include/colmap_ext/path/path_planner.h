@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -25,8 +26,9 @@ struct PathOptions {
   double max_altitude_m = 0;
   // "occupied": space that nothing is known about is not flown through; "free": it is.
   std::string unknown = "occupied";
-  // See FreeSpaceOptions, metres, >= 0.
-  double flown_margin_m = 3;
+  // See FreeSpaceOptions, metres, >= 0. The first flight is vouched to keep the safe distance from
+  // everything. Less than the next best views' max_distance_to_existing_m makes the loop slow.
+  double flown_margin_m = 5;
   // The vehicle is where it is: its place may be nearer to the surface than the safe distance by
   // this, metres, >= 0. It then leaves by a straight leg that never gets nearer than it is.
   double start_tolerance_m = 1;
@@ -65,6 +67,14 @@ void RequireMetric(const WorldFrame& frame);
 FlightPath PlanPath(const Eigen::Vector3d& start, const std::vector<PlannedView>& views,
                     const TriangleMesh& surface, const std::vector<PosedPhoto>& photos,
                     const PathOptions& options, const JobControl& job);
+
+// Where PlanPath would let the vehicle hover, for the search of views: clearance, known space and
+// ceiling as there (that a way leads to the place is not looked at). Thread-safe; holds copies of
+// what it needs. Throws UsageError for bad options.
+std::function<bool(const Eigen::Vector3d&)> FlyablePositions(const TriangleMesh& surface,
+                                                             const std::vector<PosedPhoto>& photos,
+                                                             const Eigen::Vector3d& start,
+                                                             const PathOptions& options);
 
 // Length over speed, plus a hover and the turn since the last photo at each view, seconds.
 double EstimateDuration(const std::vector<Waypoint>& waypoints, const PathOptions& options);

@@ -170,31 +170,43 @@ TEST(ReconstructSurface, HolesStayClosedAndFarSurfaceIsTrimmed) {
   EXPECT_LT(trimmed.mesh.faces.size(), surface.mesh.faces.size());
 }
 
-TEST(ReconstructSurface, UndersidesThatNobodySawStayClosed) {
-  OrientedPoints points;  // a slab seen from above and from its sides, as a roof with deep eaves
-  AppendPlane(2, 2, 8, 8, 1, 0.1, -1, &points);
-  for (double along = 2.05; along < 8; along += 0.1) {
-    for (double z = 0.05; z < 1; z += 0.1) {
-      points.push_back(MakePoint({2, along, z}, {-1, 0, 0}));
-      points.push_back(MakePoint({8, along, z}, {1, 0, 0}));
-      points.push_back(MakePoint({along, 2, z}, {0, -1, 0}));
-      points.push_back(MakePoint({along, 8, z}, {0, 1, 0}));
+// A roof over two walls, seen from above: its underside, and the walls' upper parts, were not.
+OrientedPoints RoofOverWalls() {
+  OrientedPoints points;
+  AppendPlane(0, 0, 10, 10, 0, 0.1, -1, &points);
+  std::erase_if(points, [](const OrientedPoint& point) {
+    return point.position.x() > 4 && point.position.x() < 6;
+  });
+  AppendPlane(2, 0, 8, 10, 3, 0.1, -1, &points);
+  for (double y = 0.05; y < 10; y += 0.1) {
+    for (double z = 0.05; z < 2.2; z += 0.1) {
+      points.push_back(MakePoint({4, y, z}, {-1, 0, 0}));
+      points.push_back(MakePoint({6, y, z}, {1, 0, 0}));
+    }
+    for (double z = 2.75; z < 3; z += 0.1) {
+      points.push_back(MakePoint({2, y, z}, {-1, 0, 0}));
+      points.push_back(MakePoint({8, y, z}, {1, 0, 0}));
     }
   }
+  return points;
+}
+
+TEST(ReconstructSurface, UndersidesThatNobodySawStayClosed) {
   SurfaceOptions options;
   options.resolution_m = 0.2;
-  options.trim_spacing_m = 1;
-  const RegionOfInterest region = Region({0, 0, -3}, {10, 10, 3});
-  const Surface surface = ReconstructSurface(points, region, options, JobControl());
-  int below = 0;
-  for (std::size_t i = 0; i < surface.mesh.vertices.size(); ++i) {
-    const Eigen::Vector3d& vertex = surface.mesh.vertices[i];
-    const Eigen::Vector2d from_middle = (vertex.head<2>() - Eigen::Vector2d(5, 5)).cwiseAbs();
-    if (vertex.z() > 0.5 || from_middle.maxCoeff() > 2) continue;
-    ++below;
-    EXPECT_GT(surface.sample_spacing_m[i], 0.3);  // there, but without signal
+  options.trim_spacing_m = 0.6;
+  const RegionOfInterest region = Region({1, 1, -1}, {9, 9, 4});
+  const Surface surface = ReconstructSurface(RoofOverWalls(), region, options, JobControl());
+  double area = 0;
+  for (std::size_t f = 0; f < surface.mesh.faces.size(); ++f) {
+    const auto vertex = static_cast<std::size_t>(surface.mesh.faces[f][0]);
+    const Eigen::Vector3d& corner = surface.mesh.vertices[vertex];
+    const bool is_under_eaves = corner.x() > 2.3 && corner.x() < 3.7 && corner.z() > 1;
+    if (!is_under_eaves || FaceNormal(surface.mesh, f).z() > -0.5) continue;
+    area += FaceArea(surface.mesh, f);
+    EXPECT_GT(surface.sample_spacing_m[vertex], 0.15);  // there, but without the grid's signal
   }
-  EXPECT_GT(below, 10);
+  EXPECT_GT(area, 0.8 * 1.4 * 8);
 }
 
 TEST(ReconstructSurface, NothingOutsideTheWidenedRegion) {

@@ -74,6 +74,10 @@ void RunOnFiles(const Paths& paths, const RegionOptions& region_options,
                 const CoverageOptions& options, int max_width_px, const JobControl& job) {
   RequireFolder(paths.input, "sparse model");
   const Surface surface = ReadSurfaceOrMesh(paths.mesh, job);
+  if (surface.mesh.faces.empty()) {
+    throw Error(paths.mesh.string() +
+                ": points without triangles; make a mesh of them with surface_reconstructor");
+  }
   const PhotoSet photos = LoadPosesOnly(paths.input, max_width_px);
   const WorldFrame frame = FrameOrMetric(paths.input / ".." / "frame.json");
   const RegionOfInterest region = DefaultRegion(photos, frame, region_options);

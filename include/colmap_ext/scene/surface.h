@@ -9,8 +9,8 @@ namespace colmap_ext {
 // The reconstructed surface with its Poisson signal.
 struct Surface {
   TriangleMesh mesh;  // world
-  // One a vertex: the local spacing (metres) of the points that support the surface there, from
-  // the density of the Poisson tree. SMALL spacing = STRONG signal.
+  // One a vertex: the local spacing (metres) of the points that support the surface there (computed
+  // as surface/poisson.h says). SMALL spacing = STRONG signal.
   std::vector<double> sample_spacing_m;
   std::vector<Eigen::Vector3d> color;  // RGB 0 … 1, one a vertex
 };

@@ -2,38 +2,15 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "colmap_ext/util/child_process.h"
 #include "colmap_ext/util/error.h"
+#include "scene/test_folder.h"
 
 namespace colmap_ext {
-
-// A folder of one test, removed with all its content at the end.
-class TestFolder {
- public:
-  TestFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "colmap_ext_test_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw Error("cannot make a folder for the test");
-    path_ = name;
-  }
-  ~TestFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TestFolder(const TestFolder&) = delete;
-  TestFolder& operator=(const TestFolder&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
 
 inline bool HasColmap() { return !FindProgram("colmap").empty(); }
 

@@ -260,7 +260,7 @@ TEST(ReconstructSurface, PrintsNothing) {
 }
 
 TEST(ReconstructSurface, AutomaticResolutionBoundsTheSize) {
-  const Surface surface = ReconstructSurface(SpherePoints({100, 0, 0}, 4, 200000, 0.005),
+  const Surface surface = ReconstructSurface(SpherePoints({100, 0, 0}, 4, 100000, 0.005),
                                              kSphereRegion, SurfaceOptions(), JobControl());
   EXPECT_GT(surface.mesh.vertices.size(), 30000U);
   EXPECT_LT(surface.mesh.vertices.size(), 100000U);
@@ -277,7 +277,9 @@ TEST(ReconstructSurface, BadPointsAreNamedOrLeftOut) {
   OrientedPoints points;
   AppendPlane(0, 0, 10, 10, 0, 0.2, -1, &points);
   points[11].normal.setZero();  // COLMAP writes such points: they say nothing of a side
-  EXPECT_EQ(MessageOf(points, kPlaneRegion, {}), "no error");
+  SurfaceOptions coarse;
+  coarse.resolution_m = 0.5;
+  EXPECT_EQ(MessageOf(points, kPlaneRegion, coarse), "no error");
   points[17].position.x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(MessageOf(points, kPlaneRegion, {}), HasSubstr("point 17 of the fused cloud"));
   const OrientedPoints same_place(100, MakePoint({1, 1, 0}, {0, 0, 1}));
@@ -288,6 +290,7 @@ TEST(ReconstructSurface, TrimmingEverythingAwayIsAnError) {
   OrientedPoints points;
   AppendPlane(0, 0, 10, 10, 0, 0.2, -1, &points);
   SurfaceOptions options;
+  options.resolution_m = 0.5;
   options.trim_spacing_m = 0.01;
   EXPECT_THAT(MessageOf(points, kPlaneRegion, options), HasSubstr("trim_spacing_m"));
 }

@@ -4,6 +4,7 @@
 #include "colmap_ext/scene/workspace.h"
 #include "colmap_ext/session/presets.h"
 #include "colmap_ext/session/session.h"
+#include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
 #include "command_line.h"
 #include "commands.h"

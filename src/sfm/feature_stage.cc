@@ -23,6 +23,11 @@ void RemoveDatabase(const fs::path& path) {
   }
 }
 
+// Always the same name, so that the next run removes what a killed one left.
+fs::path WorkingPathFor(const fs::path& path) {
+  return path.parent_path() / ("." + path.stem().string() + ".update" + path.extension().string());
+}
+
 bool HasPendingWrites(const fs::path& database) {
   const fs::path log = Beside(database, "-wal");
   return fs::exists(log) && fs::file_size(log) > 0;
@@ -164,9 +169,7 @@ std::vector<std::string> PhotosWithoutFeatures(const PhotoCatalog& catalog,
 WorkingDatabase::WorkingDatabase(const fs::path& database_path, const fs::path& base_path,
                                  const fs::path& work_path, ColmapProgram* colmap,
                                  const JobControl& job)
-    : target_(database_path),
-      path_(TemporaryPathFor(database_path)),
-      empty_(work_path / "empty.db") {
+    : target_(database_path), path_(WorkingPathFor(database_path)), empty_(work_path / "empty.db") {
   RequireWritableFolder(fs::absolute(database_path).parent_path(), "folder of the database");
   RemoveDatabase(path_);
   RemoveDatabase(empty_);
@@ -198,6 +201,7 @@ void WorkingDatabase::Commit() {
                 ": another program is writing to this database; close it and run "
                 "the same command again");
   }
+  if (HasPendingWrites(path_)) Database::Open(path_, Database::Access::kReadWrite);
   CommitTemporaryFile(path_, target_);
 }
 

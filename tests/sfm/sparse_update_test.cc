@@ -148,6 +148,34 @@ TEST_F(SparseUpdate, AdjustsAllPosesAfterGrowthAndKeepsTheFrame) {
   EXPECT_LT(WorstPosition(second.model, second.frame), 0.2);
 }
 
+TEST_F(SparseUpdate, ContinuesSomebodysProjectWithoutTouchingIt) {
+  WriteArcPhotos(images(), 0, 8);
+  SparseUpdateInput theirs = Input("theirs");
+  theirs.camera = TrueCamera();
+  const SparseUpdateResult first = UpdateSparseModel(theirs, {}, {});
+  const std::string database_bytes = ReadFile(theirs.database_path);
+
+  WriteArcPhotos(images(), 8, 10);
+  SparseUpdateInput ours = Input("ours");
+  ours.base_database_path = theirs.database_path;
+  ours.model = &first.model;
+  const SparseUpdateResult second = UpdateSparseModel(ours, {}, {});
+  EXPECT_EQ(second.registered.size(), 10u);
+  EXPECT_TRUE(second.frame.is_metric_enu);  // georegistered now: its frame was not known
+  EXPECT_TRUE(ReadFile(theirs.database_path) == database_bytes);
+  const Database database = Database::Open(ours.database_path, Database::Access::kReadOnly);
+  EXPECT_EQ(database.ReadImages().size(), 10u);
+  EXPECT_EQ(database.ReadCameras().size(), 1u);  // the photos share their camera
+  EXPECT_EQ(database.ReadImages().at(9).name, ArcName(8));
+
+  ours = Input("mixed");  // a model and a database that do not belong together
+  ours.base_database_path = theirs.database_path;
+  Reconstruction renamed = first.model;
+  renamed.images.begin()->second.name = "else.jpg";
+  ours.model = &renamed;
+  EXPECT_NE(MessageOf(ours).find("else.jpg"), std::string::npos);
+}
+
 TEST_F(SparseUpdate, NamesPhotosThatDoNotRegisterAndOutliersOfTheirPositions) {
   WriteArcPhotos(images(), 0, 10);
   cv::Mat noise(240, 320, CV_8UC3);

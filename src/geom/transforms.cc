@@ -1,6 +1,6 @@
 #include "colmap_ext/geom/transforms.h"
 
-#include <Eigen/SVD>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -90,8 +90,10 @@ Sim3d EstimateSimilarity(const Eigen::Matrix3Xd& src, const Eigen::Matrix3Xd& ds
     throw Error("a similarity needs at least 3 pairs of points");
   }
   const Eigen::Matrix3Xd centered = src.colwise() - src.rowwise().mean();
-  const Eigen::Vector3d extents = centered.jacobiSvd().singularValues();
-  if (!(extents(1) > 1e-9 * extents(0))) {
+  const Eigen::Matrix3d scatter = centered * centered.transpose();
+  const Eigen::Vector3d squared_extents =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter, Eigen::EigenvaluesOnly).eigenvalues();
+  if (!(squared_extents(1) > 1e-12 * squared_extents(2))) {
     throw Error("a similarity cannot be found from points on one line");
   }
   const Eigen::Matrix4d dst_from_src = Eigen::umeyama(src, dst, true);

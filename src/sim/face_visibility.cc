@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -16,6 +17,10 @@ constexpr int kGroundRays = 16;
 constexpr double kFar = 1e5;      // m: further than any scene
 constexpr double kOffset = 2e-3;  // m: keeps a ray off the face that it starts from
 
+// Ground faces up to this size are judged by their corners and centre; on larger ones each place
+// is.
+constexpr double kSmallGround = 0.5;  // m²
+
 // What the corners and the centre of a ground face see.
 enum class GroundView : std::uint8_t { kNoSky, kSomeSky, kSky };
 
@@ -25,6 +30,7 @@ class VisibilityTest {
       : mesh_(mesh),
         object_of_face_(object_of_face),
         rays_(mesh),
+        has_ground_(std::count(object_of_face.begin(), object_of_face.end(), kGroundObject) > 0),
         ground_view_(mesh.faces.size(), GroundView::kNoSky) {
     tbb::parallel_for(std::size_t{0}, mesh.faces.size(), [&](std::size_t i) {
       if (object_of_face_[i] == kGroundObject) ground_view_[i] = ViewOfGround(i);
@@ -62,6 +68,7 @@ class VisibilityTest {
     for (const Eigen::Vector3d& point : PointsOf(face)) {
       if (SeesSky(point + kOffset * normal, RotationFromZ(normal))) ++open;
     }
+    if (FaceArea(mesh_, face) > kSmallGround) return GroundView::kSomeSky;
     return open == 0 ? GroundView::kNoSky : open == 4 ? GroundView::kSky : GroundView::kSomeSky;
   }
 
@@ -69,7 +76,11 @@ class VisibilityTest {
     for (const auto& local : directions_) {
       const Eigen::Vector3d direction = rotation * local;
       const auto hit = rays_.Intersect(point, direction, 0, kFar);
-      if (!hit.has_value()) return true;
+      if (!hit.has_value()) {
+        // Below the horizon one only gets away from under the ground, or in a scene without any.
+        if (has_ground_ && direction.z() < 0) continue;
+        return true;
+      }
       const auto face = static_cast<std::size_t>(hit->face);
       if (object_of_face_[face] != kGroundObject) continue;
       if (ground_view_[face] == GroundView::kNoSky) continue;
@@ -94,6 +105,7 @@ class VisibilityTest {
   RayScene rays_;
   std::vector<Eigen::Vector3d> directions_ = HemisphereDirections(kRays, false);
   std::vector<Eigen::Vector3d> ground_directions_ = HemisphereDirections(kGroundRays, false);
+  bool has_ground_ = false;
   std::vector<GroundView> ground_view_;
 };
 

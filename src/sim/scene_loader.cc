@@ -196,8 +196,8 @@ void Append(TexturedScene addition, TexturedScene* scene) {
   append(scene->materials, addition.materials);
 }
 
-// A square of meadow a little below the model's lowest point, so that a floor at that height stays
-// visible. Detail grows with the model.
+// Meadow a little below the model's lowest point, so that a floor at that height stays visible.
+// Detail grows with the model; a coarse ring takes it to the horizon.
 TexturedScene MakeGroundPlane(const BoundingBox& model, const LoadSceneOptions& options) {
   const double extent = std::max(model.sizes().x(), model.sizes().y());
   const double margin = options.ground_margin_m > 0 ? options.ground_margin_m : 2.5 * extent;
@@ -211,12 +211,15 @@ TexturedScene MakeGroundPlane(const BoundingBox& model, const LoadSceneOptions& 
     if (scale < 0.5) point.world /= static_cast<float>(2 * scale);
     return meadow(point);
   };
-  const int material = builder.AddMaterial("added_ground", 2 * half / 3000, scaled);
   const Eigen::Vector3d center = model.center();
-  const Frame frame{{center.x() - half, center.y() - half, model.min().z() - 2e-3 * scale},
+  const Frame frame{{center.x(), center.y(), model.min().z() - 2e-3 * scale},
                     Eigen::Vector3d::UnitX(),
                     Eigen::Vector3d::UnitY()};
-  builder.AddRectangle(material, frame, 2 * half, 2 * half, half / 60);
+  const auto square = [](double h) { return RectanglePolygon(-h, -h, h, h); };
+  builder.AddRectangle(builder.AddMaterial("added_ground", 2 * half / 2400, scaled),
+                       frame.Moved(-half, -half), 2 * half, 2 * half, half / 60);
+  builder.AddPolygon(builder.AddMaterial("added_ground_far", 10 * half / 1400, scaled), frame,
+                     square(5 * half), {square(half)}, half);
   return builder.Finish(options.origin);
 }
 

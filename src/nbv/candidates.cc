@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nbv/position_view.h"
+#include "nbv/view_fan.h"
 
 namespace colmap_ext {
 namespace {
@@ -69,15 +69,15 @@ std::vector<double> WeightedScores(const SearchContext& context, const Uncovered
                                    const Eigen::Vector3d& position,
                                    const std::vector<ViewDirection>& directions) {
   std::vector<double> scores(directions.size(), 0);
-  PositionView view(context, position, directions);
+  ViewFan fan(context, directions);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!view.LookAt(points.position(i), points.normal(i))) continue;
+    if (!fan.LookAt(position, points.position(i), points.normal(i))) continue;
     const double weight = points.WeightFrom(i, position);
     if (weight <= 0 ||
         !context.engine.IsUnoccluded(position, points.position(i), points.normal(i))) {
       continue;
     }
-    for (const auto& [k, ratio] : view.seen()) scores[k] += weight * ratio;
+    for (const auto& [k, ratio] : fan.seen()) scores[k] += weight * ratio;
   }
   return scores;
 }
@@ -122,13 +122,13 @@ std::vector<Candidate> EvaluatePosition(const SearchContext& context, const Unco
     candidates[k].position = position;
     candidates[k].direction = directions[k];
   }
-  PositionView view(context, position, directions);
+  ViewFan fan(context, directions);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!view.LookAt(points.position(i), points.normal(i)) ||
+    if (!fan.LookAt(position, points.position(i), points.normal(i)) ||
         !context.engine.IsUnoccluded(position, points.position(i), points.normal(i))) {
       continue;
     }
-    for (const auto& [k, ratio] : view.seen()) candidates[k].seen.push_back({i, ratio});
+    for (const auto& [k, ratio] : fan.seen()) candidates[k].seen.push_back({i, ratio});
   }
   return candidates;
 }

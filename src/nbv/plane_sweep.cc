@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 
 #include "colmap_ext/util/error.h"
 #include "nbv/candidates.h"
@@ -44,36 +45,33 @@ double LowestAltitude(const CoverageMap& coverage, const NextBestViewOptions& op
   return lowest + options.min_altitude_m;
 }
 
-// Heights of the uncovered points from the highest down, at least plane_step_m apart.
-std::vector<double> HeightsDownwards(const UncoveredPoints& points,
-                                     const std::vector<std::optional<ReachingView>>& reaching,
-                                     double step_m) {
-  std::vector<double> heights;
+// Height of the highest uncovered point that can be reached; nullopt when none can.
+std::optional<double> HighestReachable(const UncoveredPoints& points,
+                                       const std::vector<std::optional<ReachingView>>& reaching) {
+  std::optional<double> highest;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (reaching[i]) heights.push_back(points.position(i).z());
+    if (!reaching[i]) continue;
+    highest = std::max(highest.value_or(points.position(i).z()), points.position(i).z());
   }
-  std::sort(heights.begin(), heights.end(), std::greater<>());
-  std::vector<double> spaced;
-  for (const double height : heights) {
-    if (spaced.empty() || height <= spaced.back() - step_m) spaced.push_back(height);
-  }
-  return spaced;
+  return highest;
 }
 
 // The search on all planes for one plan.
 class PlaneSweep {
  public:
-  PlaneSweep(const SearchContext& context, const std::vector<double>& heights_m,
-             UncoveredPoints* points, std::vector<Anchor> anchors, const JobControl& job)
+  // `highest_point_m`: height of the highest uncovered point, z of the world.
+  PlaneSweep(const SearchContext& context, double highest_point_m, std::vector<Anchor> anchors,
+             UncoveredPoints* points, const JobControl& job)
       : context_(context), points_(points), anchors_(std::move(anchors)), job_(job) {
-    for (std::size_t p = 0; p < context.pitches_rad.size(); ++p) AddPlanes(p, heights_m);
+    for (std::size_t p = 0; p < context.pitches_rad.size(); ++p) AddPlanes(p, highest_point_m);
   }
 
-  // Chooses views until there are num_views or nothing scores any more.
+  // Adds views until there are num_views or nothing scores any more.
   void Run(ViewPlanResult* result) {
     const auto wanted = static_cast<std::size_t>(context_.options.num_views);
-    bool is_first = true;
-    while (result->views.size() < wanted && (is_first || context_.options.several_planes)) {
+    bool is_first = result->views.empty();
+    for (bool again = true; again && result->views.size() < wanted;
+         again = context_.options.several_planes) {
       ScorePlanes();
       const Plane* plane = ChoosePlane();
       if (plane == nullptr) return;
@@ -87,9 +85,10 @@ class PlaneSweep {
   }
 
  private:
-  // The planes of a pitch, from high to low. The first is the paper's, exactly; the lower ones are
-  // rounded to multiples of the step, so that planes of different pitches coincide and share work.
-  void AddPlanes(std::size_t pitch_index, const std::vector<double>& heights_m) {
+  // The planes of a pitch, in the order in which they are preferred: the paper's, exactly; then
+  // downwards; then, for what only a look from further above shows, upwards. All but the first are
+  // at multiples of the step, so that planes of different pitches coincide and share work.
+  void AddPlanes(std::size_t pitch_index, double highest_point_m) {
     const double pitch = context_.pitches_rad[pitch_index];
     const NextBestViewOptions& options = context_.options;
     double lowest = std::numeric_limits<double>::infinity();
@@ -102,16 +101,15 @@ class PlaneSweep {
     lowest = std::max(lowest, context_.lowest_altitude_m);
     if (options.max_altitude_m != 0) highest = std::min(highest, options.max_altitude_m);
     if (!(lowest <= highest)) return;
-    double previous = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < heights_m.size(); ++k) {
-      double altitude = heights_m[k] - options.safe_distance_m * std::sin(pitch);
-      if (k > 0) {
-        altitude = std::round(altitude / options.plane_step_m) * options.plane_step_m;
-      }
-      altitude = std::clamp(altitude, lowest, highest);
-      if (altitude >= previous) continue;
-      previous = altitude;
-      planes_.push_back({pitch_index, altitude, 0});
+    const double first =
+        std::clamp(highest_point_m - options.safe_distance_m * std::sin(pitch), lowest, highest);
+    const double step = options.plane_step_m;
+    planes_.push_back({pitch_index, first, 0});
+    for (double k = std::ceil(first / step) - 1; k * step >= lowest; --k) {
+      planes_.push_back({pitch_index, k * step, 0});
+    }
+    for (double k = std::floor(first / step) + 1; k * step <= highest; ++k) {
+      planes_.push_back({pitch_index, k * step, 0});
     }
   }
 
@@ -131,7 +129,7 @@ class PlaneSweep {
     }
   }
 
-  // Of each pitch the highest acceptable plane, and of these the best. Null when nothing scores.
+  // Of each pitch the first acceptable plane, and of these the best. Null when nothing scores.
   const Plane* ChoosePlane() const {
     std::vector<double> best_of_pitch(context_.pitches_rad.size(), 0);
     for (const Plane& plane : planes_) {
@@ -205,20 +203,24 @@ class PlaneSweep {
   std::vector<Plane> planes_;
 };
 
-void AddBridge(const SearchContext& context, const std::vector<Anchor>& anchors,
-               const UncoveredPoints& points,
-               const std::vector<std::optional<ReachingView>>& reaching, ViewPlanResult* result) {
-  for (const ReachingView& step : FindBridge(context, anchors, reaching)) {
+// Adds the bridge's views to the plan, to the anchors, and as good views to what they see.
+void AddBridge(const SearchContext& context,
+               const std::vector<std::optional<ReachingView>>& reaching,
+               std::vector<Anchor>* anchors, UncoveredPoints* points, ViewPlanResult* result) {
+  for (const ReachingView& step : FindBridge(context, *anchors, reaching)) {
+    const Candidate candidate =
+        EvaluatePosition(context, *points, step.position, {step.direction}).front();
+    for (const SeenPoint& seen : candidate.seen) points->AddGoodView(seen.point, step.position);
     PlannedView view;
     view.position = step.position;
     view.direction = step.direction;
-    view.score =
-        PlainScore(EvaluatePosition(context, points, step.position, {step.direction}).front());
+    view.score = PlainScore(candidate);
     result->views.push_back(view);
     result->pitch_rad = step.direction.pitch_rad;
     result->altitude_m = step.position.z();
     result->is_bridge = true;
   }
+  for (const PlannedView& view : result->views) anchors->push_back({view.position, view.direction});
 }
 
 }  // namespace
@@ -258,11 +260,16 @@ ViewPlanResult PlanNextViews(const CoverageMap& coverage, const TriangleMesh& su
       reaching.begin(), reaching.end(), [](const auto& view) { return view.has_value(); }));
   job.ThrowIfCancelled();
 
-  PlaneSweep(context, HeightsDownwards(points, reaching, options.plane_step_m), &points, anchors,
-             job)
-      .Run(&result);
-  if (result.views.empty() && options.bridge)
-    AddBridge(context, anchors, points, reaching, &result);
+  const std::optional<double> highest_point_m = HighestReachable(points, reaching);
+  if (highest_point_m) {
+    PlaneSweep(context, *highest_point_m, anchors, &points, job).Run(&result);
+    if (result.views.empty() && options.bridge) {
+      AddBridge(context, reaching, &anchors, &points, &result);
+      if (result.is_bridge) {
+        PlaneSweep(context, *highest_point_m, anchors, &points, job).Run(&result);
+      }
+    }
+  }
   if (result.views.empty()) result.stop_reason = "nothing_reachable";
   for (std::size_t i = 0; i < result.views.size(); ++i) {
     result.views[i].id = first_id + static_cast<int>(i);

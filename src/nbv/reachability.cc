@@ -7,7 +7,7 @@
 #include <limits>
 #include <tuple>
 
-#include "colmap_ext/coverage/projection_ratio.h"
+#include "nbv/view_fan.h"
 
 namespace colmap_ext {
 namespace {
@@ -68,52 +68,33 @@ std::vector<Eigen::Vector3d> FreePositions(const SearchContext& context,
   return sorted;
 }
 
-// A direction of the search that sees the point from `position` at γ_min (occlusion was looked at).
-// Of several the one whose axis is nearest to the point.
-std::optional<ViewDirection> DirectionThatSees(const SearchContext& context,
-                                               const Eigen::Vector3d& position,
-                                               const Eigen::Vector3d& point,
-                                               const Eigen::Vector3d& normal) {
-  const Eigen::Vector3d to_point = (point - position).normalized();
-  const double azimuth = std::atan2(to_point.x(), to_point.y());
-  std::optional<ViewDirection> best;
-  double best_cos = -1;
+// All directions of the search.
+std::vector<ViewDirection> AllDirections(const SearchContext& context) {
+  std::vector<ViewDirection> directions;
   for (const double yaw : context.yaws_rad) {
-    // Neighbouring yaws on both sides of the point are enough: others see it further off the axis.
-    if (std::abs(NormalizeAngle(yaw - azimuth)) >
-        2 * M_PI / static_cast<double>(context.yaws_rad.size())) {
-      continue;
-    }
-    for (const double pitch : context.pitches_rad) {
-      const double cos_off_axis = DirectionInWorld({yaw, pitch}).dot(to_point);
-      if (cos_off_axis <= best_cos) continue;
-      const Rigid3d cam_from_world = CamFromWorld(position, {yaw, pitch});
-      if (context.engine.IsInView(context.camera, cam_from_world, point, normal) &&
-          ProjectionRatio(context.camera, cam_from_world, point, normal) >=
-              context.min_projection_ratio) {
-        best = ViewDirection{yaw, pitch};
-        best_cos = cos_off_axis;
-      }
-    }
+    for (const double pitch : context.pitches_rad) directions.push_back({yaw, pitch});
   }
-  return best;
+  return directions;
 }
 
+// From each position the direction whose optical axis is nearest to the point is taken: where it is
+// deepest, so that its projection ratio is smallest.
 std::optional<ReachingView> FirstReachingView(const SearchContext& context,
                                               const std::vector<Eigen::Vector3d>& positions,
-                                              double range, const UncoveredPoints& points,
-                                              std::size_t i) {
+                                              const std::vector<ViewDirection>& directions,
+                                              const UncoveredPoints& points, std::size_t i) {
+  ViewFan fan(context, directions);
   const Eigen::Vector3d& point = points.position(i);
   const Eigen::Vector3d& normal = points.normal(i);
   for (const Eigen::Vector3d& position : positions) {
-    const Eigen::Vector3d to_camera = position - point;
-    if (to_camera.squaredNorm() > range * range || normal.dot(to_camera) <= 0) continue;
-    if (points.WeightFrom(i, position) <= 0) continue;
-    // A ray is cheaper than the search for a direction.
-    if (!context.engine.IsUnoccluded(position, point, normal)) continue;
-    const std::optional<ViewDirection> direction =
-        DirectionThatSees(context, position, point, normal);
-    if (direction) return ReachingView{position, *direction};
+    if (!fan.LookAt(position, point, normal) || points.WeightFrom(i, position) <= 0 ||
+        !context.engine.IsUnoccluded(position, point, normal)) {
+      continue;
+    }
+    const auto nearest =
+        std::min_element(fan.seen().begin(), fan.seen().end(),
+                         [](const auto& a, const auto& b) { return a.second < b.second; });
+    return ReachingView{position, directions[nearest->first]};
   }
   return std::nullopt;
 }
@@ -157,9 +138,9 @@ std::vector<std::optional<ReachingView>> FindReachingViews(const SearchContext& 
   std::vector<std::optional<ReachingView>> views(points.size());
   if (points.size() == 0) return views;
   const std::vector<Eigen::Vector3d> positions = FreePositions(context, points, anchors);
-  const double range = UsefulRange(context);
+  const std::vector<ViewDirection> directions = AllDirections(context);
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
-    views[i] = FirstReachingView(context, positions, range, points, i);
+    views[i] = FirstReachingView(context, positions, directions, points, i);
   });
   return views;
 }

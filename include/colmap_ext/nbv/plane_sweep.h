@@ -34,10 +34,10 @@ struct NextBestViewOptions {
   double safe_distance_m = 5;
   // Ours, the paper does not tell: spacing of the positions on a plane, metres, > 0.
   double grid_spacing_m = 1;
-  // Ours: when a plane is not accepted, the next one is this much lower, metres, > 0.
+  // Ours: planes other than the paper's are at multiples of this, metres, > 0.
   double plane_step_m = 1;
-  // Ours: going down, the first plane is accepted whose best view scores at least this part of the
-  // best of all planes of that pitch, 0 … 1. 0: the first plane on which anything scores.
+  // Ours: the first plane is accepted whose best view scores at least this part of the best of all
+  // planes of that pitch, 0 … 1. 0: the first plane on which anything scores.
   double min_relative_score = 0.5;
   // Ours: views are not lower than this above the lowest iso-point that is not ignored, metres.
   double min_altitude_m = 2;
@@ -72,7 +72,7 @@ struct NextBestViewOptions {
 void BindOptions(OptionSet& set, NextBestViewOptions* options);
 
 struct ViewPlanResult {
-  std::vector<PlannedView> views;  // the best first; a bridge in the order of flight
+  std::vector<PlannedView> views;  // the best first; a bridge before them, in the order of flight
   std::size_t uncovered = 0;       // iso-points of that class
   // Uncovered iso-points that some candidate in free space sees with a projection ratio >= γ_min,
   // near to existing views or not. With stereo_aware, a candidate that repeats a good view that the
@@ -101,9 +101,9 @@ struct ViewPlanResult {
 //   another, adds nothing. A point without any good view counts for all.
 // - The altitude is limited to where the nearness to existing views (of similar pitch) permits a
 // view
-//   at all; and from there planes are tried downwards, one for each plane_step_m of height of the
-//   uncovered points (min_relative_score), so that a high point that no view can improve holds up
-//   nothing.
+//   at all. From the paper's plane on, planes are tried downwards to the lowest such altitude, and
+//   then upwards, every plane_step_m (min_relative_score): a high point that no view can improve
+//   holds up nothing.
 // - Points that the chosen views would cover count seen_weight for the next ones. A point that
 // needs
 //   two views goes on counting until it has both.
@@ -111,7 +111,7 @@ struct ViewPlanResult {
 // - `may_fly`: views are only planned where it is true (null: everywhere). Give it the path
 // planner's
 //   FlyablePositions, else the loop can stall on views that no path leads to. Must be thread-safe.
-// Ties go to the lower pitch, the higher plane, then the southern, western, first yaw.
+// Ties go to the lower pitch, then the southern, western, first yaw.
 //
 // `coverage.min_projection_ratio` is γ_min. `existing`: all registered photos. `camera`: of the
 // photos to come. `first_id`: id of the first view, counting up. World: ENU, metres. Same result

@@ -10,13 +10,13 @@ namespace colmap_ext {
 // Many views from one position, and which of them see a point. The same tests as
 // VisibilityEngine::IsInView and ProjectionRatio, but what the views share is computed once: the
 // vector to the point for all, its turn to a heading for all pitches.
-class PositionView {
+class ViewFan {
  public:
-  PositionView(const SearchContext& context, const Eigen::Vector3d& position,
-               const std::vector<ViewDirection>& directions);
+  ViewFan(const SearchContext& context, const std::vector<ViewDirection>& directions);
 
-  // Whether some view sees the point at >= γ_min, occlusion apart. Fills seen().
-  bool LookAt(const Eigen::Vector3d& point, const Eigen::Vector3d& normal);
+  // Whether some view from `position` sees the point at >= γ_min, occlusion apart. Fills seen().
+  bool LookAt(const Eigen::Vector3d& position, const Eigen::Vector3d& point,
+              const Eigen::Vector3d& normal);
 
   // Of the last point: the index of each direction that sees it, and the projection ratio.
   const std::vector<std::pair<std::size_t, double>>& seen() const { return seen_; }
@@ -33,7 +33,6 @@ class PositionView {
   };
 
   const SearchContext& context_;
-  Eigen::Vector3d position_;
   double range_squared_m2_;
   double min_cos_incidence_;
   // Bounds of x/z and y/z in the camera, border taken off.

@@ -1,14 +1,12 @@
-#include "nbv/position_view.h"
+#include "nbv/view_fan.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace colmap_ext {
 
-PositionView::PositionView(const SearchContext& context, const Eigen::Vector3d& position,
-                           const std::vector<ViewDirection>& directions)
+ViewFan::ViewFan(const SearchContext& context, const std::vector<ViewDirection>& directions)
     : context_(context),
-      position_(position),
       range_squared_m2_(std::pow(UsefulRange(context), 2)),
       min_cos_incidence_(std::cos(DegToRad(context.options.visibility.max_incidence_deg))) {
   const double border_px = context.options.visibility.border_px;
@@ -30,9 +28,10 @@ PositionView::PositionView(const SearchContext& context, const Eigen::Vector3d& 
   }
 }
 
-bool PositionView::LookAt(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
+bool ViewFan::LookAt(const Eigen::Vector3d& position, const Eigen::Vector3d& point,
+                     const Eigen::Vector3d& normal) {
   seen_.clear();
-  const Eigen::Vector3d offset = point - position_;
+  const Eigen::Vector3d offset = point - position;
   const double squared_distance = offset.squaredNorm();
   if (squared_distance > range_squared_m2_) return false;
   const double facing = -normal.dot(offset);

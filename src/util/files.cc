@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <sstream>
+#include <iterator>
 
 #include "colmap_ext/util/error.h"
 
@@ -85,10 +85,11 @@ void WriteFileAtomically(const fs::path& path, const std::string& content) {
 std::string ReadFile(const fs::path& path) {
   RequireFile(path, "file");
   std::ifstream stream(path, std::ios::binary);
-  std::ostringstream content;
-  content << stream.rdbuf();
-  if (!stream || !content) throw Error(path.string() + ": cannot be read: " + SystemReason());
-  return std::move(content).str();
+  const std::string content{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream.is_open() || stream.bad()) {
+    throw Error(path.string() + ": cannot be read: " + SystemReason());
+  }
+  return content;
 }
 
 void RequireFile(const fs::path& path, const std::string& what) {

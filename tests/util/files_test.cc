@@ -53,6 +53,11 @@ TEST_F(FilesTest, ReportsAFullDisk) {
   EXPECT_EQ(CountEntries(), 0U);
 }
 
+TEST_F(FilesTest, AnEmptyFileIsReadAsEmpty) {
+  WriteFileAtomically(folder_ / "empty", "");
+  EXPECT_EQ(ReadFile(folder_ / "empty"), "");
+}
+
 TEST_F(FilesTest, NamesWhatIsMissing) {
   try {
     RequireFolder(folder_ / "nowhere", "photos");

@@ -1,0 +1,97 @@
+#include <algorithm>
+
+#include "colmap_ext/nbv/plane_sweep.h"
+#include "colmap_ext/scene/coverage_map_io.h"
+#include "colmap_ext/scene/mesh_io.h"
+#include "colmap_ext/scene/view_plan_io.h"
+#include "colmap_ext/util/error.h"
+#include "colmap_ext/util/files.h"
+#include "command_line.h"
+#include "commands.h"
+#include "planning_inputs.h"
+#include "workspace_inputs.h"
+
+namespace colmap_ext {
+namespace {
+
+struct Paths {
+  std::filesystem::path workspace, input, mesh, coverage, output;
+};
+
+void CheckPaths(const Paths& paths) {
+  const bool has_files = !paths.input.empty() || !paths.mesh.empty() || !paths.coverage.empty() ||
+                         !paths.output.empty();
+  if (!paths.workspace.empty()) {
+    if (has_files) {
+      throw UsageError(
+          "give either --workspace_path, or --input_path, --mesh_path, --coverage_path and "
+          "--output_path");
+    }
+    RequireFolder(paths.workspace, "workspace");
+    return;
+  }
+  RequireOption(paths.input, "input_path");
+  RequireOption(paths.mesh, "mesh_path");
+  RequireOption(paths.coverage, "coverage_path");
+  RequireOption(paths.output, "output_path");
+}
+
+std::string Describe(const ViewPlanResult& plan) {
+  return "view_planner: " + std::to_string(plan.views.size()) + " views; " +
+         std::to_string(plan.uncovered) + " iso-points uncovered, " +
+         std::to_string(plan.reachable_uncovered) + " of them reachable" +
+         (plan.stop_reason.empty() ? "" : "; " + plan.stop_reason);
+}
+
+}  // namespace
+
+int RunViewPlanner(const Arguments& arguments, const CancelFlag& cancel) {
+  CommandLine line(
+      "view_planner",
+      "Chooses the next best views for what is not covered yet. --workspace_path: of the "
+      "newest iteration. Else from a sparse model in metres (--input_path), its surface "
+      "(--mesh_path) and coverage map (--coverage_path) to views.json (--output_path).");
+  Paths paths;
+  NextBestViewOptions options;
+  int max_width_px = 0;
+  int first_id = 0;
+  line.options().Add("", "workspace_path", &paths.workspace, "folder of a session");
+  line.options().Add("", "input_path", &paths.input, "folder of a sparse model");
+  line.options().Add("", "mesh_path", &paths.mesh, "PLY file of the surface");
+  line.options().Add("", "coverage_path", &paths.coverage, "PLY file of the coverage map");
+  line.options().Add("", "output_path", &paths.output, "views.json to write");
+  line.options().Add("", "max_image_size_px", &max_width_px,
+                     "width of the photos that coverage was judged with; 0: of the session");
+  line.options().Add("", "first_id", &first_id, "id of the first planned view [>= 0]");
+  BindOptions(line.options(), &options);
+  if (!line.Parse(arguments)) return 0;
+  CheckPaths(paths);
+  if (max_width_px < 0) throw UsageError("--max_image_size_px must not be negative");
+  if (first_id < 0) throw UsageError("--first_id must not be negative");
+
+  ConsoleSink sink(line.log_level());
+  const JobControl job(&sink, &cancel);
+  if (!paths.workspace.empty()) {
+    const Workspace workspace(paths.workspace);
+    TakeSessionOptions(workspace, &line.options());
+    const IterationFiles files = LatestIterationFiles(workspace);
+    paths = {paths.workspace, files.sparse(), files.surface_ply(), files.coverage_ply(),
+             files.views_json()};
+    if (max_width_px == 0) max_width_px = SessionImageWidth(workspace);
+    // The views replace those that the session planned, so they take their ids.
+    if (std::filesystem::exists(paths.output) && first_id == 0) {
+      for (const PlannedView& view : ReadViews(paths.output)) {
+        first_id = first_id == 0 ? view.id : std::min(first_id, view.id);
+      }
+    }
+  }
+  const PlanningInputs inputs = ReadPlanningInputs(paths.input, paths.mesh, max_width_px);
+  const ViewPlanResult plan =
+      PlanNextViews(ReadCoverageMap(paths.coverage), inputs.surface, inputs.photos.photos,
+                    inputs.photos.photos.front().camera, first_id, options, job);
+  WriteViews(plan.views, inputs.frame, paths.output);
+  job.Info(Describe(plan) + ": " + paths.output.string());
+  return 0;
+}
+
+}  // namespace colmap_ext

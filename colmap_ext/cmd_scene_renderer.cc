@@ -54,15 +54,14 @@ void AddOptions(SceneRendererOptions* o, OptionSet* set) {
 
 void CheckOptions(const SceneRendererOptions& o) {
   if (o.scene.empty() == o.scene_path.empty()) {
-    throw UsageError("scene_renderer: give either --scene or --scene_path");
+    throw UsageError("give either --scene or --scene_path");
   }
   const bool renders = o.preview || !o.pose_list_path.empty();
   if (o.preview && !o.pose_list_path.empty()) {
-    throw UsageError("scene_renderer: --preview and --pose_list_path exclude each other");
+    throw UsageError("--preview and --pose_list_path exclude each other");
   }
   if (!renders && o.write_scene_path.empty()) {
-    throw UsageError(
-        "scene_renderer: nothing to do; give --pose_list_path, --preview 1 or --write_scene_path");
+    throw UsageError("nothing to do; give --pose_list_path, --preview 1 or --write_scene_path");
   }
   if (renders) RequireOption(o.output_path, "output_path");
   ThrowIfInvalid(o.camera.Check());

@@ -47,16 +47,16 @@ GateMaterials AddMaterials(std::uint32_t seed, SceneBuilder* builder) {
   GateMaterials m;
   m.granite =
       builder->AddMaterial("granite", 0.0125, DressedStone(seed + 1, Rgb(0.66F, 0.64F, 0.61F)));
-  m.column =
-      builder->AddMaterial("red_lacquer", 0.01, LacqueredWood(seed + 2, Rgb(0.64F, 0.17F, 0.11F)));
-  m.beam = builder->AddMaterial("painted_beams", 0.01, PaintedBeam(seed + 3));
+  m.column = builder->AddMaterial("red_lacquer", 0.0125,
+                                  LacqueredWood(seed + 2, Rgb(0.64F, 0.17F, 0.11F)));
+  m.beam = builder->AddMaterial("painted_beams", 0.0125, PaintedBeam(seed + 3));
   m.wood = builder->AddMaterial("planks", 0.0125,
                                 Planks(seed + 4, 0.2F, Rgb(0.46F, 0.25F, 0.17F), false));
   m.tiles = builder->AddMaterial("glazed_tiles", 0.0125,
                                  GlazedTubes(seed + 5, static_cast<float>(kTubePitch)));
   m.ridge =
       builder->AddMaterial("ridge_stone", 0.0125, DressedStone(seed + 6, Rgb(0.45F, 0.47F, 0.44F)));
-  m.door = builder->AddMaterial("doors", 0.01, StuddedDoor(seed + 7));
+  m.door = builder->AddMaterial("doors", 0.0125, StuddedDoor(seed + 7));
   m.plaster =
       builder->AddMaterial("plaster", 0.0125, LacqueredWood(seed + 8, Rgb(0.86F, 0.80F, 0.70F)));
   m.plaque = builder->AddMaterial("plaque", 0.008, Plaque(seed + 9));

@@ -87,11 +87,11 @@ std::vector<NamedView> OverviewOf(const TexturedScene& scene) {
   const double tall = model.sizes().z();
   std::vector<PlannedView> views;
   for (int i = 0; i < 6; ++i) {
-    views.push_back(LookAt(place(35 + 60 * i, 1.05 * extent, 0.75 * tall + 0.2 * extent),
+    views.push_back(LookAt(place(35 + 60 * i, 1.3 * extent, 0.75 * tall + 0.2 * extent),
                            model.center() - Eigen::Vector3d(0, 0, 0.08 * tall)));
   }
-  views.push_back(LookAt(place(20, 0.95 * extent, 0.12 * tall), model.center()));
-  views.push_back(LookAt(place(60, 0.62 * extent, 0.7 * tall), model.center()));
+  views.push_back(LookAt(place(20, 1.15 * extent, 0.12 * tall), model.center()));
+  views.push_back(LookAt(place(60, 0.8 * extent, 0.7 * tall), model.center()));
   std::vector<NamedView> named;
   for (PlannedView& view : views) {
     view.id = static_cast<int>(named.size());

@@ -1,6 +1,8 @@
 #include <algorithm>
 
+#include "colmap_ext/coverage/coverage.h"
 #include "colmap_ext/nbv/plane_sweep.h"
+#include "colmap_ext/path/path_planner.h"
 #include "colmap_ext/scene/coverage_map_io.h"
 #include "colmap_ext/scene/mesh_io.h"
 #include "colmap_ext/scene/view_plan_io.h"
@@ -53,6 +55,8 @@ int RunViewPlanner(const Arguments& arguments, const CancelFlag& cancel) {
       "(--mesh_path) and coverage map (--coverage_path) to views.json (--output_path).");
   Paths paths;
   NextBestViewOptions options;
+  PathOptions path_options;          // views are chosen where a path may lead
+  CoverageOptions coverage_options;  // and see what coverage says that they see
   int max_width_px = 0;
   int first_id = 0;
   line.options().Add("", "workspace_path", &paths.workspace, "folder of a session");
@@ -64,6 +68,8 @@ int RunViewPlanner(const Arguments& arguments, const CancelFlag& cancel) {
                      "width of the photos that coverage was judged with; 0: of the session");
   line.options().Add("", "first_id", &first_id, "id of the first planned view [>= 0]");
   BindOptions(line.options(), &options);
+  BindOptions(line.options(), &path_options);
+  BindOptions(line.options(), &coverage_options);
   if (!line.Parse(arguments)) return 0;
   CheckPaths(paths);
   if (max_width_px < 0) throw UsageError("--max_image_size_px must not be negative");
@@ -86,9 +92,13 @@ int RunViewPlanner(const Arguments& arguments, const CancelFlag& cancel) {
     }
   }
   const PlanningInputs inputs = ReadPlanningInputs(paths.input, paths.mesh, max_width_px);
+  const std::vector<PosedPhoto>& photos = inputs.photos.photos;
+  options.visibility = coverage_options.visibility;
   const ViewPlanResult plan =
-      PlanNextViews(ReadCoverageMap(paths.coverage), inputs.surface, inputs.photos.photos,
-                    inputs.photos.photos.front().camera, first_id, options, job);
+      PlanNextViews(ReadCoverageMap(paths.coverage), inputs.surface, photos, photos.front().camera,
+                    first_id, options, job,
+                    FlyablePositions(inputs.surface, photos,
+                                     CameraCenter(photos.back().cam_from_world), path_options));
   WriteViews(plan.views, inputs.frame, paths.output);
   job.Info(Describe(plan) + ": " + paths.output.string());
   return 0;

@@ -125,14 +125,18 @@ void RunPlanning(const IterationContext& context, const SessionState& state, Wor
                  const JobControl& job) {
   const StageOptions& options = context.options;
   const PinholeCamera& camera = work->photos.photos.front().camera;
+  const Eigen::Vector3d start = VehiclePosition(work->photos);
   Timed("nbv", work, job, [&] {
-    work->plan = PlanNextViews(work->coverage, work->surface.mesh, work->photos.photos, camera,
-                               state.next_view_id, options.nbv, job);
+    NextBestViewOptions nbv = options.nbv;
+    nbv.visibility = options.coverage.visibility;
+    work->plan = PlanNextViews(
+        work->coverage, work->surface.mesh, work->photos.photos, camera, state.next_view_id, nbv,
+        job, FlyablePositions(work->surface.mesh, work->photos.photos, start, options.path));
     WriteViews(work->plan.views, work->sparse.frame, work->files.views_json());
   });
   Timed("path", work, job, [&] {
-    work->path = PlanPath(VehiclePosition(work->photos), work->plan.views, work->surface.mesh,
-                          work->photos.photos, options.path, job);
+    work->path = PlanPath(start, work->plan.views, work->surface.mesh, work->photos.photos,
+                          options.path, job);
     WritePath(work->path, work->sparse.frame, work->files.path_json());
   });
 }

@@ -133,8 +133,14 @@ void FacetSystem::Add(const DepthRow& row) {
   right_side_[t] += row.weight * row.inverse_depth * row.barycentric;
 }
 
-bool FacetSystem::Solve(const std::vector<std::uint8_t>& fixed,
-                        std::vector<Eigen::Vector3d>* inverse_depth) const {
+// The free triangles in the order of elimination.
+struct FacetSystem::Elimination {
+  std::vector<int> triangle_at;  // position to triangle
+  std::vector<int> position_of;  // triangle to position; -1: fixed
+};
+
+FacetSystem::Elimination FacetSystem::PlanElimination(
+    const std::vector<std::uint8_t>& fixed) const {
   const std::size_t num_triangles = diagonal_.size();
   std::vector<int> free_index(num_triangles, -1);
   std::vector<int> free_triangles;
@@ -143,8 +149,6 @@ bool FacetSystem::Solve(const std::vector<std::uint8_t>& fixed,
     free_index[t] = static_cast<int>(free_triangles.size());
     free_triangles.push_back(static_cast<int>(t));
   }
-  if (free_triangles.empty()) return true;
-
   std::vector<std::vector<int>> adjacency(free_triangles.size());
   for (std::size_t i = 0; i < free_triangles.size(); ++i) {
     for (const Link& link : links_[static_cast<std::size_t>(free_triangles[i])]) {
@@ -152,61 +156,85 @@ bool FacetSystem::Solve(const std::vector<std::uint8_t>& fixed,
       if (j >= 0) adjacency[i].push_back(j);
     }
   }
-  const std::vector<int> order = MinimumDegreeOrder(adjacency);
-  std::vector<int> position(num_triangles, -1);
-  for (std::size_t p = 0; p < order.size(); ++p) {
-    position[static_cast<std::size_t>(free_triangles[static_cast<std::size_t>(order[p])])] =
-        static_cast<int>(p);
+  Elimination plan;
+  plan.position_of.assign(num_triangles, -1);
+  if (free_triangles.empty()) return plan;
+  for (const int i : MinimumDegreeOrder(adjacency)) {
+    const int t = free_triangles[static_cast<std::size_t>(i)];
+    plan.position_of[static_cast<std::size_t>(t)] = static_cast<int>(plan.triangle_at.size());
+    plan.triangle_at.push_back(t);
   }
+  return plan;
+}
 
-  // Upper triangle in column order, written straight into place.
-  const int size = 3 * static_cast<int>(free_triangles.size());
-  SparseMatrix upper(size, size);
-  Eigen::VectorXd right_side(size);
+// The upper triangle of the reduced matrix in compressed columns, and its right-hand side.
+struct FacetSystem::Reduced {
   std::vector<int> outer{0};
   std::vector<int> inner;
   std::vector<double> values;
-  inner.reserve(static_cast<std::size_t>(size) * 8);
-  values.reserve(static_cast<std::size_t>(size) * 8);
-  for (std::size_t p = 0; p < order.size(); ++p) {
-    const auto t = static_cast<std::size_t>(free_triangles[static_cast<std::size_t>(order[p])]);
-    Eigen::Vector3d g = right_side_[t] + kProximalWeight * (*inverse_depth)[t];
-    std::vector<const Link*> above;
+  Eigen::VectorXd right_side;
+};
+
+// Written column by column straight into place; fixed triangles go to the right-hand side.
+FacetSystem::Reduced FacetSystem::Assemble(const Elimination& plan,
+                                           const std::vector<Eigen::Vector3d>& depth) const {
+  const std::size_t count = plan.triangle_at.size();
+  const auto position = [&](const Link& link) {
+    return plan.position_of[static_cast<std::size_t>(link.other)];
+  };
+  Reduced reduced;
+  reduced.right_side.resize(3 * static_cast<Eigen::Index>(count));
+  reduced.outer.reserve(3 * count + 1);
+  reduced.inner.reserve(24 * count);
+  reduced.values.reserve(24 * count);
+  std::vector<Link> above;
+  for (std::size_t p = 0; p < count; ++p) {
+    const auto t = static_cast<std::size_t>(plan.triangle_at[p]);
+    Eigen::Vector3d g = right_side_[t] + kProximalWeight * depth[t];
+    above.clear();
     for (const Link& link : links_[t]) {
-      const auto other = static_cast<std::size_t>(link.other);
-      if (position[other] < 0) {
-        g -= Coupling(link) * (*inverse_depth)[other];
-      } else if (position[other] < static_cast<int>(p)) {
-        above.push_back(&link);
+      if (position(link) < 0) {
+        g -= Coupling(link) * depth[static_cast<std::size_t>(link.other)];
+      } else if (position(link) < static_cast<int>(p)) {
+        above.push_back(link);
       }
     }
-    std::sort(above.begin(), above.end(), [&](const Link* a, const Link* b) {
-      return position[static_cast<std::size_t>(a->other)] <
-             position[static_cast<std::size_t>(b->other)];
-    });
-    right_side.segment<3>(3 * static_cast<Eigen::Index>(p)) = g;
+    std::sort(above.begin(), above.end(),
+              [&](const Link& a, const Link& b) { return position(a) < position(b); });
+    reduced.right_side.segment<3>(3 * static_cast<Eigen::Index>(p)) = g;
     for (int c = 0; c < 3; ++c) {
-      for (const Link* link : above) {
-        const Eigen::Matrix3d block = Coupling(*link);  // rows of t, columns of the other
+      for (const Link& link : above) {
+        const Eigen::Matrix3d block = Coupling(link);  // rows of t, columns of the other
         for (int r = 0; r < 3; ++r) {
-          inner.push_back(3 * position[static_cast<std::size_t>(link->other)] + r);
-          values.push_back(block(c, r));
+          reduced.inner.push_back(3 * position(link) + r);
+          reduced.values.push_back(block(c, r));
         }
       }
       for (int r = 0; r <= c; ++r) {
-        inner.push_back(3 * static_cast<int>(p) + r);
-        values.push_back(diagonal_[t](r, c));
+        reduced.inner.push_back(3 * static_cast<int>(p) + r);
+        reduced.values.push_back(diagonal_[t](r, c));
       }
-      outer.push_back(static_cast<int>(inner.size()));
+      reduced.outer.push_back(static_cast<int>(reduced.inner.size()));
     }
   }
-  const Eigen::Map<const SparseMatrix> matrix(size, size, static_cast<Eigen::Index>(inner.size()),
-                                              outer.data(), inner.data(), values.data());
-  Eigen::SimplicialLLT<SparseMatrix, Eigen::Upper, Eigen::NaturalOrdering<int>> factor(matrix);
+  return reduced;
+}
+
+bool FacetSystem::Solve(const std::vector<std::uint8_t>& fixed,
+                        std::vector<Eigen::Vector3d>* inverse_depth) const {
+  const Elimination plan = PlanElimination(fixed);
+  if (plan.triangle_at.empty()) return true;
+  const Reduced reduced = Assemble(plan, *inverse_depth);
+  const Eigen::Index size = reduced.right_side.size();
+  const Eigen::Map<const SparseMatrix> matrix(
+      size, size, static_cast<Eigen::Index>(reduced.inner.size()), reduced.outer.data(),
+      reduced.inner.data(), reduced.values.data());
+  const Eigen::SimplicialLLT<SparseMatrix, Eigen::Upper, Eigen::NaturalOrdering<int>> factor(
+      matrix);
   if (factor.info() != Eigen::Success) return false;
-  const Eigen::VectorXd solution = factor.solve(right_side);
-  for (std::size_t p = 0; p < order.size(); ++p) {
-    (*inverse_depth)[static_cast<std::size_t>(free_triangles[static_cast<std::size_t>(order[p])])] =
+  const Eigen::VectorXd solution = factor.solve(reduced.right_side);
+  for (std::size_t p = 0; p < plan.triangle_at.size(); ++p) {
+    (*inverse_depth)[static_cast<std::size_t>(plan.triangle_at[p])] =
         solution.segment<3>(3 * static_cast<Eigen::Index>(p));
   }
   return true;

@@ -48,6 +48,11 @@ class FacetSystem {
     bool first;  // this triangle is the edge's first
   };
 
+  struct Elimination;
+  struct Reduced;
+  Elimination PlanElimination(const std::vector<std::uint8_t>& fixed) const;
+  Reduced Assemble(const Elimination& plan, const std::vector<Eigen::Vector3d>& depth) const;
+
   Eigen::Matrix3d Coupling(const Link& link) const {  // rows of this triangle, columns of the other
     const Eigen::Matrix3d& block = edge_blocks_[static_cast<std::size_t>(link.edge)];
     return link.first ? block : Eigen::Matrix3d(block.transpose());

@@ -86,7 +86,7 @@ void CollectHits(const ViewMesh& mesh, const ViewLookup& lookup, const ViewMesh&
 // The hits of one triangle, sorted from far to near: the range that the facet should follow.
 std::pair<std::size_t, std::size_t> ChooseAgreement(const std::vector<Hit>& hits, std::size_t begin,
                                                     std::size_t end, double tolerance) {
-  constexpr double kNearPreference = 0.5;  // a nearer group needs this share of the strongest
+  constexpr double kNearPreference = 0.4;  // a nearer group needs this share of the strongest
   struct Group {
     std::size_t first, last;
     double weight;

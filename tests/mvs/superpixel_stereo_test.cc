@@ -48,14 +48,13 @@ struct Accuracy {
   double confident_share = 0;
   double median_error = 0;  // |Δz|/z over confident pixels
   double p90_error = 0;
-  double all_mean = 0;  // over all supported pixels, each at most 1
+  double all_mean = 0;  // over all pixels, each at most 1; unsupported ones count 1
 };
 
 Accuracy Measure(const std::vector<ViewMesh>& views, const std::vector<cv::Mat1d>& truth) {
   std::vector<double> errors;
   double pixels = 0;
   double sum = 0;
-  double supported = 0;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const ViewLookup lookup(views[i], TriangleIdMap(views[i]));
     for (int y = 0; y < truth[i].rows; y += 2) {
@@ -63,10 +62,12 @@ Accuracy Measure(const std::vector<ViewMesh>& views, const std::vector<cv::Mat1d
         if (!std::isfinite(truth[i](y, x))) continue;
         ++pixels;
         const auto t = static_cast<std::size_t>(lookup.triangle_at(y, x));
-        if (views[i].supported[t] == 0) continue;
+        if (views[i].supported[t] == 0) {
+          sum += 1;
+          continue;
+        }
         const double depth = 1.0 / lookup.InverseDepth(static_cast<int>(t), {x + 0.5, y + 0.5});
         const double error = std::abs(depth / truth[i](y, x) - 1);
-        ++supported;
         sum += std::min(1.0, error);
         if (views[i].confidence[t] > 0.5) errors.push_back(error);
       }
@@ -75,7 +76,7 @@ Accuracy Measure(const std::vector<ViewMesh>& views, const std::vector<cv::Mat1d
   std::sort(errors.begin(), errors.end());
   if (errors.empty()) return {};
   return {static_cast<double>(errors.size()) / pixels, errors[errors.size() / 2],
-          errors[errors.size() * 9 / 10], sum / supported};
+          errors[errors.size() * 9 / 10], sum / pixels};
 }
 
 TEST(SuperpixelStereo, RebuildsABoxOnAFloor) {

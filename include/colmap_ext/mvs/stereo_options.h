@@ -10,9 +10,9 @@ namespace colmap_ext {
 struct SuperpixelStereoOptions {
   // The linear solve. Inverse depths are divided by their median in the view, so that weights mean
   // the same at any scale of the world.
-  double smoothness_weight = 0.1;   // λ_s of the paper; (0, 1e6]
-  double continuity_weight = 0.02;  // λ_c of the paper; (0, 1e6]
-  double color_sigma = 20.0;        // w_c = exp(-(|Δcolour| / σ)² / 2), grey levels; [1, 1000]
+  double smoothness_weight = 0.02;   // λ_s of the paper; (0, 1e6]
+  double continuity_weight = 0.005;  // λ_c of the paper; (0, 1e6]
+  double color_sigma = 12.0;         // w_c = exp(-(|Δcolour| / σ)² / 2), grey levels; [1, 1000]
   double min_color_weight = 1e-3;  // w_c is never less, so that the system stays well-posed; (0, 1]
   int robust_passes = 3;           // solves with Cauchy-weighted SfM points; [1, 20]
   double max_support_px = 60.0;  // a triangle further from every SfM point (along the mesh, colour
@@ -24,8 +24,8 @@ struct SuperpixelStereoOptions {
   double max_angle_deg = 45.0;  // points seen under a larger angle do not count; (0, 180]
 
   // Confidence Γ.
-  double sigma_position_px = 3.0;     // σ_p; (0, 1e3]
-  double sigma_normal_deg = 60.0;     // σ_n; (0, 1e3]
+  double sigma_position_px = 4.0;     // σ_p; (0, 1e3]
+  double sigma_normal_deg = 90.0;     // σ_n; (0, 1e3]
   double sigma_view = 0.1;            // σ_v, of cos²; (0, 10]
   double occlusion_tolerance = 0.03;  // a neighbour whose depth is smaller by this share is
                                       // occluded and no witness; (0, 1]

@@ -15,10 +15,10 @@ for i in range(32):
     x, y = 22 * math.sin(angle), 22 * math.cos(angle)
     print(f"orbit_{i:02d}.jpg {x:.3f} {y:.3f} 15.0 {math.degrees(angle) + 180:.3f} -22")
 PY
-colmap_ext scene_renderer --scene gate --pose_list_path "$work/poses.txt" --output_path "$work/photos"
+colmap_ext scene_renderer --scene gate --pose_list_path "$work/poses.txt" --output_path "$work/render"
 
 # 2. One call: sparse model, mesh, coverage, next views, path, mission.
-colmap_ext active_capture --workspace_path "$work/site" --image_path "$work/photos"
+colmap_ext active_capture --workspace_path "$work/site" --image_path "$work/render/images"
 
 # 3. What a person would look at.
 cat "$work/site/iterations/000/coverage.json"

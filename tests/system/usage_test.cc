@@ -34,35 +34,35 @@ TEST_F(Usage, WrongUsageExitsWithTwo) {
 }
 
 TEST_F(BadInput, NoSuchFolder) {
-  ExpectFailure(Run({"active_capture", "--workspace_path", (folder_ / "w").string(),
-                     "--image_path", (folder_ / "nowhere").string()}),
+  ExpectFailure(Run({"active_capture", "--workspace_path", (folder_ / "w").string(), "--image_path",
+                     (folder_ / "nowhere").string()}),
                 1, {"nowhere", "no such folder"});
 }
 
 TEST_F(BadInput, EmptyFolder) {
   std::filesystem::create_directories(folder_ / "photos");
-  ExpectFailure(Run({"active_capture", "--workspace_path", (folder_ / "w").string(),
-                     "--image_path", (folder_ / "photos").string()}),
+  ExpectFailure(Run({"active_capture", "--workspace_path", (folder_ / "w").string(), "--image_path",
+                     (folder_ / "photos").string()}),
                 1, {"photos", "no photo"});
 }
 
 TEST_F(BadInput, BothASceneAndPhotos) {
-  ExpectFailure(Run({"active_capture", "--workspace_path", (folder_ / "w").string(),
-                     "--image_path", folder_.string(), "--scene", "church"}),
+  ExpectFailure(Run({"active_capture", "--workspace_path", (folder_ / "w").string(), "--image_path",
+                     folder_.string(), "--scene", "church"}),
                 2, {"--scene", "--image_path"});
 }
 
 TEST_F(BadInput, UnknownScene) {
-  ExpectFailure(Run({"active_capture", "--workspace_path", (folder_ / "w").string(), "--scene",
-                     "castle"}),
-                2, {"castle", "church"});
+  ExpectFailure(
+      Run({"active_capture", "--workspace_path", (folder_ / "w").string(), "--scene", "castle"}), 2,
+      {"castle", "church"});
 }
 
 TEST_F(BadInput, NoColmapOnThePath) {
-  ExpectFailure(Run({"active_capture", "--workspace_path", (folder_ / "w").string(), "--scene",
-                     "boxes"},
-                    {{"PATH", folder_.string()}}),
-                1, {"colmap", "install"});
+  ExpectFailure(
+      Run({"active_capture", "--workspace_path", (folder_ / "w").string(), "--scene", "boxes"},
+          {{"PATH", folder_.string()}}),
+      1, {"colmap", "install"});
 }
 
 TEST_F(BadInput, WorkspaceThatIsAFile) {

@@ -20,10 +20,11 @@ namespace colmap_ext {
 struct CoverageOptions {
   // The wanted resolution on the surface, millimetres a pixel, > 0, at the resolution of the photos
   // that are evaluated (the low one): γ_min = 1 / gsd². A view is good when a pixel covers at most
-  // gsd² of surface, slant included. The default is what 640 x 368 photos of 467 px focal length
-  // give 18 m away; full-resolution photos of the same camera resolve finer by the ratio of the
-  // widths (3 for 1920 px).
-  double ground_sampling_distance_mm = 40;
+  // gsd² of surface, slant included. The default is what 640 x 368 photos of 480 px focal length
+  // give 29 m away seen frontally, or 20 m away on a surface that slants by 60 degrees;
+  // full-resolution photos of the same camera resolve finer by the ratio of the widths (20 mm for
+  // 1920 px).
+  double ground_sampling_distance_mm = 60;
   // Good views that a point needs, >= 2 (paper: 2).
   int min_good_views = 2;
   // Angle between the rays of a pair of good views, degrees, 0 <= min < max <= 180 (paper: 2, 30).

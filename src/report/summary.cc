@@ -8,7 +8,7 @@ namespace colmap_ext {
 
 std::string FinishedSentence(const std::string& finished) {
   if (finished.empty()) return "The session has not ended yet.";
-  if (finished == "covered") return "Finished: everything that can be reached is covered.";
+  if (finished == "covered") return "Finished: what can be reached is covered.";
   if (finished == "view_limit") return "Stopped: the limit of photos is reached.";
   if (finished == "iteration_limit") return "Stopped: the limit of iterations is reached.";
   if (finished == "nothing_reachable") {

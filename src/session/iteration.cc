@@ -215,7 +215,9 @@ IterationResult RunIteration(const IterationContext& context, SessionState* stat
     result.stop_reason = work.plan.stop_reason;
     result.summary.reachable_covered_ratio = ReachableCoveredRatio(work);
     result.summary.planned_views = CountPlannedStops(work.path);
-    if (result.stop_reason.empty() && result.summary.planned_views == 0) {
+    if (*result.summary.reachable_covered_ratio >= context.options.session.target_covered_ratio) {
+      result.stop_reason = "covered";
+    } else if (result.stop_reason.empty() && result.summary.planned_views == 0) {
       result.stop_reason = "nothing_reachable";
     }
     if (result.stop_reason.empty()) WriteMission(context, *state, work, job);

@@ -9,6 +9,9 @@ namespace colmap_ext {
 std::string SessionOptions::Check() const {
   if (max_iterations < 1) return "Session.max_iterations must be at least 1";
   if (max_photos < 3) return "Session.max_photos must be at least 3";
+  if (!(target_covered_ratio > 0 && target_covered_ratio <= 1)) {
+    return "Session.target_covered_ratio must be above 0 and at most 1";
+  }
   if (max_image_size_px < 160) return "Session.max_image_size_px must be at least 160";
   return "";
 }
@@ -30,6 +33,8 @@ void BindOptions(OptionSet& set, StageOptions* options) {
           "stop after so many iterations, the first flight included [>= 1]");
   set.Add("Session", "max_photos", &session.max_photos,
           "stop before a flight that would make more photos [>= 3]");
+  set.Add("Session", "target_covered_ratio", &session.target_covered_ratio,
+          "end as covered when this part of what can be reached is covered [0 … 1]");
   set.Add("Session", "max_image_size_px", &session.max_image_size_px,
           "photos are scaled down to this width for the dense stages [px, >= 160]");
   set.Add("Session", "pictures", &session.pictures, "write the pictures of every iteration");

@@ -61,7 +61,7 @@ Session OpenSession(const SessionInputs& inputs, const StageOptions& options) {
   return session;
 }
 
-// A session ended by a limit goes on when the limit was raised since.
+// A session that ended by a limit or at its target goes on when that was raised since.
 bool IsFinished(const Session& session) {
   const std::string& finished = session.state.finished;
   const SessionOptions& limits = session.options.session;
@@ -69,6 +69,11 @@ bool IsFinished(const Session& session) {
   if (finished == "view_limit") {
     const IterationSummary& last = session.summary.iterations.back();
     return last.photos + last.planned_views > limits.max_photos;
+  }
+  if (finished == "covered") {
+    const IterationSummary& last = session.summary.iterations.back();
+    return last.planned_views == 0 ||
+           last.reachable_covered_ratio.value_or(1.0) >= limits.target_covered_ratio;
   }
   return !finished.empty();
 }

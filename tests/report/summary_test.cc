@@ -106,7 +106,7 @@ TEST(SummaryTable, IsAligned) {
   }
   ASSERT_GE(lengths.size(), 14u);
   for (const std::size_t length : lengths) EXPECT_EQ(length, lengths.front());
-  EXPECT_NE(table.find("everything that can be reached is covered"), std::string::npos);
+  EXPECT_NE(table.find("what can be reached is covered"), std::string::npos);
 }
 
 TEST(SummaryTable, HasTheNumbers) {

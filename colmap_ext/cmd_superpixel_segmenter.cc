@@ -76,8 +76,8 @@ int RunSuperpixelSegmenter(const Arguments& arguments, const CancelFlag& cancel)
   line.options().Add("", "output_path", &paths.output, "folder for the results");
   BindOptions(line.options(), &options);
   if (!line.Parse(arguments)) return 0;
-  CompletePaths(&paths);
   ThrowIfInvalid(options.Check());
+  CompletePaths(&paths);
   const std::vector<std::string> names = FindPhotos(&paths.images);
   RequireWritableFolder(paths.output, "output folder");
 

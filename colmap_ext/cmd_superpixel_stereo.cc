@@ -75,11 +75,11 @@ int RunSuperpixelStereo(const Arguments& arguments, const CancelFlag& cancel) {
   BindOptions(line.options(), &stereo_options);
   BindOptions(line.options(), &point_options);
   if (!line.Parse(arguments)) return 0;
-  CompletePaths(&paths);
   if (max_width_px < 64) throw UsageError("--max_width_px must be at least 64");
   ThrowIfInvalid(superpixel_options.Check());
   ThrowIfInvalid(stereo_options.Check());
   ThrowIfInvalid(point_options.Check());
+  CompletePaths(&paths);
   RequireFolder(paths.sparse, "sparse model");
   RequireFolder(paths.images, "image folder");
   RequireWritableFolder(paths.output, "output folder");

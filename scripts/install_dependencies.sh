@@ -11,7 +11,7 @@ packages=(
   nlohmann-json3-dev
 )
 if [[ "${1:-}" == "--tests" ]]; then
-  packages+=(libgtest-dev clang-format clang-tidy python3 sqlite3)
+  packages+=(libgtest-dev libgmock-dev clang-format clang-tidy python3 sqlite3)
 fi
 
 missing=()

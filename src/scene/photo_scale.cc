@@ -13,8 +13,8 @@ void DownscalePhotos(int max_width_px, PhotoSet* photo_set) {
     const int width = photo.camera.width;
     if (width <= max_width_px) return;
     const double ratio = static_cast<double>(max_width_px) / width;
-    const int height =
-        std::max(1, static_cast<int>(std::lround(ratio * static_cast<double>(photo.camera.height))));
+    const int height = std::max(
+        1, static_cast<int>(std::lround(ratio * static_cast<double>(photo.camera.height))));
     photo.camera = ScaleTo(photo.camera, max_width_px, height);
     if (photo.bgr.empty()) return;
     cv::Mat scaled;

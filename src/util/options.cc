@@ -186,8 +186,7 @@ void OptionSet::Parse(const std::vector<std::string>& arguments) {
         po::command_line_parser(arguments)
             .options(description)
             .style(style::allow_long | style::allow_short | style::allow_dash_for_short |
-                   style::long_allow_adjacent | style::long_allow_next |
-                   style::short_allow_next)
+                   style::long_allow_adjacent | style::long_allow_next | style::short_allow_next)
             .positional(po::positional_options_description())
             .run();
     for (const po::option& given : parsed.options) {

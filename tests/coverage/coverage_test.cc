@@ -21,8 +21,15 @@ bool IsInMiddle(const IsoPoint& point) {
   return std::abs(point.position.x()) < 1.5 && std::abs(point.position.z() - 3) < 1;
 }
 
+// What the numbers below are made for.
+CoverageOptions FortyMillimetres() {
+  CoverageOptions options;
+  options.ground_sampling_distance_mm = 40;
+  return options;
+}
+
 CoverageMap Evaluate(const Surface& surface, const Photos& photos,
-                     const CoverageOptions& options = {}) {
+                     const CoverageOptions& options = FortyMillimetres()) {
   CoverageOptions with_spacing = options;
   with_spacing.iso_point_spacing_m = 0.2;
   return EvaluateCoverage(surface, photos, Everything(), with_spacing, JobControl());

@@ -108,6 +108,13 @@ double Ratio(const Rigid3d& cam_from_world, const IsoPoint& point) {
   return kCamera.fx * kCamera.fy * point.normal.dot(to_camera) / std::pow(depth, 3);
 }
 
+// The paper's number of views.
+NextBestViewOptions PaperOptions() {
+  NextBestViewOptions options;
+  options.num_views = 5;
+  return options;
+}
+
 bool IsNear(const PlannedView& view, const Rigid3d& cam_from_world,
             const NextBestViewOptions& options) {
   const ViewDirection other = ViewDirectionOf(cam_from_world);
@@ -121,7 +128,7 @@ bool IsNear(const PlannedView& view, const Rigid3d& cam_from_world,
 TEST(PlanNextViews, LooksAtTheUncoveredPatch) {
   HallWorld world;
   world.Uncover({Eigen::Vector3d(-3, -6, 7), Eigen::Vector3d(3, -4, 11)});  // south wall
-  const NextBestViewOptions options;
+  const NextBestViewOptions options = PaperOptions();
   const std::vector<PosedPhoto> existing = SouthLine();
   const ViewPlanResult plan =
       PlanNextViews(world.map, world.mesh, existing, kCamera, 100, options, {});
@@ -155,7 +162,8 @@ TEST(PlanNextViews, LooksAtTheUncoveredPatch) {
 TEST(PlanNextViews, ScoresAreSumsOfProjectionRatios) {
   HallWorld world;
   world.Uncover({Eigen::Vector3d(-12, -6, 0), Eigen::Vector3d(12, -4, 11)});
-  const ViewPlanResult plan = PlanNextViews(world.map, world.mesh, SouthLine(), kCamera, 0, {}, {});
+  const ViewPlanResult plan =
+      PlanNextViews(world.map, world.mesh, SouthLine(), kCamera, 0, PaperOptions(), {});
   ASSERT_EQ(plan.views.size(), 5u);
   for (const PlannedView& view : plan.views) {
     double sum = 0;
@@ -172,7 +180,7 @@ TEST(PlanNextViews, ScoresAreSumsOfProjectionRatios) {
 TEST(PlanNextViews, FliesWhereTheHighestPointIsCentredAtTheSafeDistance) {
   HallWorld world;
   world.Uncover({Eigen::Vector3d(-3, -6, 4), Eigen::Vector3d(3, -4, 11)});  // highest: 10.5 m
-  NextBestViewOptions options;
+  NextBestViewOptions options = PaperOptions();
   options.num_pitches = 1;
   options.min_pitch_deg = options.max_pitch_deg = -20;
   const ViewPlanResult plan =
@@ -251,7 +259,7 @@ TEST(PlanNextViews, BridgesToWhatIsOutOfReach) {
   world.Uncover({Eigen::Vector3d(-2, 4, 6), Eigen::Vector3d(2, 6, 10)});  // north wall
   // The only photos are high above the south: 15 m away, and looking the other way.
   const std::vector<PosedPhoto> existing = {PhotoAt({0, -12, 20}, 0, -30)};
-  NextBestViewOptions options;
+  NextBestViewOptions options = PaperOptions();
   options.bridge = false;
   EXPECT_EQ(PlanNextViews(world.map, world.mesh, existing, kCamera, 0, options, {}).stop_reason,
             "nothing_reachable");
@@ -273,7 +281,7 @@ TEST(PlanNextViews, ChainsViewsOnlyWhenAsked) {
   HallWorld world;
   world.Uncover({Eigen::Vector3d(-13, -6, 5), Eigen::Vector3d(13, -4, 12)});
   const std::vector<PosedPhoto> existing = {PhotoAt({0, -13, 15}, 0, -30)};
-  NextBestViewOptions options;
+  NextBestViewOptions options = PaperOptions();
   options.num_views = 8;
   options.several_planes = false;
   const auto furthest = [&](const ViewPlanResult& plan) {
@@ -376,7 +384,7 @@ TEST(PlanNextViews, RefusesBadOptionsAndNoPhotos) {
   HallWorld world;
   world.Uncover({Eigen::Vector3d(-3, -6, 4), Eigen::Vector3d(3, -4, 8)});
   EXPECT_THROW(PlanNextViews(world.map, world.mesh, {}, kCamera, 0, {}, {}), Error);
-  NextBestViewOptions options;
+  NextBestViewOptions options = PaperOptions();
   options.num_yaws = 0;
   EXPECT_THROW(PlanNextViews(world.map, world.mesh, Ring(), kCamera, 0, options, {}), UsageError);
   options = {};

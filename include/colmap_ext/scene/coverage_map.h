@@ -13,15 +13,15 @@ struct IsoPoint {
   Eigen::Vector3d position;  // world
   Eigen::Vector3d normal;    // unit, outwards
   CoverageClass coverage = CoverageClass::kUncovered;
-  double sample_spacing_m = 0;        // Poisson signal, see Surface
-  int num_good_views = 0;             // projection ratio > γ_min and visible
-  double best_projection_ratio = 0;   // px² / m², over the views that see it
-  double predicted_error_mm = -1;     // -1: no pair of views sees it
+  double sample_spacing_m = 0;       // Poisson signal, see Surface
+  int num_good_views = 0;            // projection ratio > γ_min and visible
+  double best_projection_ratio = 0;  // px² / m², over the views that see it
+  double predicted_error_mm = -1;    // -1: no pair of views sees it
 };
 
 struct CoverageMap {
   std::vector<IsoPoint> points;
-  double disk_area_m2 = 0;       // surface area that one iso-point stands for
+  double disk_area_m2 = 0;          // surface area that one iso-point stands for
   double min_projection_ratio = 0;  // γ_min used, px² / m²
 
   std::size_t Count(CoverageClass coverage) const;

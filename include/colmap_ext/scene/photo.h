@@ -21,9 +21,9 @@ struct PosedPhoto {
 
 // A sparse point as the dense stages use it: tracks refer to positions in a vector of PosedPhoto.
 struct SupportPoint {
-  Eigen::Vector3d position;         // world
-  double error_px = 0;              // mean reprojection error
-  std::vector<int> photo_indices;   // sorted, each once
+  Eigen::Vector3d position;        // world
+  double error_px = 0;             // mean reprojection error
+  std::vector<int> photo_indices;  // sorted, each once
 };
 
 // The registered photos of a model (sorted by name) and its points.
@@ -38,8 +38,8 @@ struct PhotoSet {
 PhotoSet LoadPhotoSet(const Reconstruction& reconstruction, const std::string& image_path,
                       bool with_pixels);
 
-// Reads a picture as BGR without applying its EXIF orientation (as COLMAP does). Throws Error naming
-// the file when it is missing, truncated or no picture.
+// Reads a picture as BGR without applying its EXIF orientation (as COLMAP does). Throws Error
+// naming the file when it is missing, truncated or no picture.
 cv::Mat ReadPhoto(const std::string& path);
 
 }  // namespace colmap_ext

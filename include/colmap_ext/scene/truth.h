@@ -7,8 +7,8 @@
 namespace colmap_ext {
 
 struct GroundTruth {
-  TriangleMesh model;       // the object of interest, without ground; world (ENU)
-  GeoPosition origin;       // of the ENU frame
+  TriangleMesh model;  // the object of interest, without ground; world (ENU)
+  GeoPosition origin;  // of the ENU frame
 };
 
 }  // namespace colmap_ext

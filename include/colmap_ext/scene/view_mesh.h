@@ -16,13 +16,14 @@ struct ImageMesh {
   std::vector<Eigen::Vector3i> triangles;    // vertex indices, positive area in (x right, y down)
   // neighbors[t][k]: the triangle across the edge opposite to vertex k of t; -1 at the border.
   std::vector<Eigen::Vector3i> neighbors;
-  std::vector<int> superpixel;               // polygon of each triangle, 0 … num_superpixels - 1
+  std::vector<int> superpixel;  // polygon of each triangle, 0 … num_superpixels - 1
   int num_superpixels = 0;
-  std::vector<Eigen::Vector3f> mean_bgr;     // mean colour of each triangle's superpixel, 0 … 255
+  std::vector<Eigen::Vector3f> mean_bgr;  // mean colour of each triangle's superpixel, 0 … 255
 };
 
-// A mesh with depth. Per triangle three inverse depths 1/z (z along the optical axis, metres⁻¹), one a
-// corner: two triangles may disagree at a shared vertex (the paper's discontinuous parameterisation).
+// A mesh with depth. Per triangle three inverse depths 1/z (z along the optical axis, metres⁻¹),
+// one a corner: two triangles may disagree at a shared vertex (the paper's discontinuous
+// parameterisation).
 struct ViewMesh {
   int photo_index = -1;  // in the PhotoSet
   PinholeCamera camera;
@@ -30,7 +31,7 @@ struct ViewMesh {
   ImageMesh image;
   std::vector<Eigen::Vector3d> inverse_depth;  // size = triangles
   std::vector<float> confidence;               // Γ of the paper's confidence equation, 0 … 1
-  std::vector<std::uint8_t> supported;         // 0: no SfM point's region reaches it; marked, not invented
+  std::vector<std::uint8_t> supported;  // 0: no SfM point's region reaches it; marked, not invented
 };
 
 // Corner `k` of triangle `t` in the world. Inverse depths are > 0 for supported triangles.

@@ -19,7 +19,9 @@ struct WorldFrame {
 // Axis-aligned part of the world that has to be covered.
 struct RegionOfInterest {
   BoundingBox box;
-  bool Contains(const Eigen::Vector3d& point_in_world) const { return box.contains(point_in_world); }
+  bool Contains(const Eigen::Vector3d& point_in_world) const {
+    return box.contains(point_in_world);
+  }
 };
 
 WorldFrame ReadWorldFrame(const std::filesystem::path& path);

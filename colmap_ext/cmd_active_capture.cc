@@ -42,9 +42,9 @@ int RunActiveCapture(const Arguments& arguments, const CancelFlag& cancel) {
   StageOptions options;
   std::string preset;
   BindInputs(line.options(), &inputs);
-  line.options().Add(
-      "", "preset", &preset,
-      "size of the site: outdoor or indoor; default: indoor for boxes, else outdoor");
+  line.options().Add("", "preset", &preset,
+                     "size of the site: outdoor or indoor; default: indoor for boxes; "
+                     "your own photos are fitted to what they resolve (--Session.fit_to_site)");
   BindOptions(line.options(), &options);
   if (!line.Parse(arguments)) return 0;
   RequireOption(inputs.workspace_path, "workspace_path");
@@ -52,6 +52,10 @@ int RunActiveCapture(const Arguments& arguments, const CancelFlag& cancel) {
   const Workspace workspace(inputs.workspace_path);
   if (std::filesystem::exists(workspace.session_ini())) {
     line.options().ParseIniFile(workspace.session_ini());
+  }
+  if (!inputs.image_path.empty() && preset.empty() &&
+      !line.options().IsSet("Session.fit_to_site")) {
+    options.session.fit_to_site = !line.options().IsSet("Coverage.ground_sampling_distance_mm");
   }
   if (preset.empty()) preset = inputs.scene == "boxes" ? "indoor" : "outdoor";
   ApplyPreset(preset, line.options(), &options);

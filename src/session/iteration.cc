@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "colmap_ext/coverage/coverage.h"
 #include "colmap_ext/coverage/region.h"
@@ -29,6 +30,25 @@ namespace colmap_ext {
 namespace {
 
 namespace fs = std::filesystem;
+
+// 1.5 times the median size of a pixel on the surface, over the sparse points, each in its nearest
+// photo.
+double SiteGroundSamplingDistanceMm(const PhotoSet& photos) {
+  std::vector<double> sizes_mm;
+  for (const SupportPoint& point : photos.points) {
+    double smallest_mm = std::numeric_limits<double>::infinity();
+    for (const int index : point.photo_indices) {
+      const PosedPhoto& photo = photos.photos[static_cast<std::size_t>(index)];
+      const double depth_m = (photo.cam_from_world * point.position).z();
+      smallest_mm = std::min(smallest_mm, 1000.0 * depth_m / photo.camera.fx);
+    }
+    if (std::isfinite(smallest_mm) && smallest_mm > 0) sizes_mm.push_back(smallest_mm);
+  }
+  if (sizes_mm.empty()) throw Error("the sparse model has no points in front of its photos");
+  const auto middle = sizes_mm.begin() + static_cast<std::ptrdiff_t>(sizes_mm.size() / 2);
+  std::nth_element(sizes_mm.begin(), middle, sizes_mm.end());
+  return 1.5 * *middle;
+}
 
 // Everything that the stages of one iteration hand to each other.
 struct Work {
@@ -73,9 +93,9 @@ void RunSparse(const IterationContext& context, const SessionState& state, Work*
     earlier = ReadReconstruction(context.initial_model_path);
     input.model = &earlier;
   }
-  work->sparse = UpdateSparseModel(input, context.options.sparse, job);
+  work->sparse = UpdateSparseModel(input, context.options->sparse, job);
   if (!work->sparse.frame.is_metric_enu && state.iterations_done == 0) {
-    const double depth_m = TypicalViewingDistance(context.options.coverage, work->sparse.model);
+    const double depth_m = TypicalViewingDistance(context.options->coverage, work->sparse.model);
     NormalizeArbitraryFrame(depth_m, &work->sparse.model);
   }
   WriteReconstructionBinary(work->sparse.model, work->files.sparse());
@@ -84,7 +104,7 @@ void RunSparse(const IterationContext& context, const SessionState& state, Work*
 }
 
 void RunStereo(const IterationContext& context, Work* work, const JobControl& job) {
-  const StageOptions& options = context.options;
+  const StageOptions& options = *context.options;
   work->photos = LoadPhotoSet(work->sparse.model, context.sparse.image_path.string(), true);
   DownscalePhotos(options.session.max_image_size_px, &work->photos);
   work->stereo = RunSuperpixelStereo(work->photos, options.superpixels, options.stereo, job);
@@ -101,15 +121,15 @@ void RunStereo(const IterationContext& context, Work* work, const JobControl& jo
 void RunSurface(const IterationContext& context, SessionState* state, Work* work,
                 const JobControl& job) {
   if (!state->region) {
-    state->region = DefaultRegion(work->photos, work->sparse.frame, context.options.region);
+    state->region = DefaultRegion(work->photos, work->sparse.frame, context.options->region);
   }
-  work->surface = ReconstructSurface(work->points, *state->region, context.options.surface, job);
+  work->surface = ReconstructSurface(work->points, *state->region, context.options->surface, job);
   WriteSurface(work->surface, work->files.surface_ply());
 }
 
 void RunCoverage(const IterationContext& context, const SessionState& state, Work* work,
                  const JobControl& job) {
-  const CoverageOptions& options = context.options.coverage;
+  const CoverageOptions& options = context.options->coverage;
   work->coverage =
       EvaluateCoverage(work->surface, work->photos.photos, *state.region, options, job);
   WriteCoverageMap(work->coverage, work->files.coverage_ply());
@@ -123,7 +143,7 @@ Eigen::Vector3d VehiclePosition(const PhotoSet& photos) {
 
 void RunPlanning(const IterationContext& context, const SessionState& state, Work* work,
                  const JobControl& job) {
-  const StageOptions& options = context.options;
+  const StageOptions& options = *context.options;
   const PinholeCamera& camera = work->photos.photos.front().camera;
   const Eigen::Vector3d start = VehiclePosition(work->photos);
   Timed("nbv", work, job, [&] {
@@ -147,7 +167,7 @@ void WriteMission(const IterationContext& context, const SessionState& state, co
     job.Warn("no mission file: the world has no origin on Earth (positions were local)");
     return;
   }
-  QgcPlanOptions options = context.options.mission;
+  QgcPlanOptions options = context.options->mission;
   if (options.home_lat_deg == 0 && options.home_lon_deg == 0 && options.home_below_origin_m == 0) {
     // The take-off place is not known: take the lowest ground of the region for its height.
     options.home_below_origin_m = -state.region->box.min().z();
@@ -165,7 +185,7 @@ void Evaluate(const IterationContext& context, const Work& work, IterationSummar
               const JobControl& job) {
   const auto true_poses = ReadCameraPoses(context.true_poses_path);
   const std::vector<CameraPair> pairs = PairCameras(work.sparse.model, true_poses);
-  const EvaluationOptions& options = context.options.evaluation;
+  const EvaluationOptions& options = context.options->evaluation;
   const ModelAlignment alignment =
       AlignModel(work.surface.mesh, context.truth->model, pairs, options, job);
   const EvaluationResult result =
@@ -196,15 +216,33 @@ IterationSummary Summarize(const Work& work) {
   return summary;
 }
 
+StageOptions OptionsForSite(const IterationContext& context, const PhotoSet& photos,
+                            SessionState* state, const JobControl& job) {
+  if (!context.options->session.fit_to_site) return *context.options;
+  if (!state->site_gsd_mm) {
+    state->site_gsd_mm = SiteGroundSamplingDistanceMm(photos);
+    char line[160];
+    std::snprintf(line, sizeof line,
+                  "  fitted to the site: wanted resolution %.1f mm a pixel "
+                  "(--Coverage.ground_sampling_distance_mm sets another)",
+                  *state->site_gsd_mm);
+    job.Info(line);
+  }
+  return FitToSite(*context.options, *state->site_gsd_mm);
+}
+
 }  // namespace
 
-IterationResult RunIteration(const IterationContext& context, SessionState* state,
+IterationResult RunIteration(const IterationContext& given, SessionState* state,
                              const JobControl& job) {
   const StageTimer timer;
   Work work;
-  work.files.folder = context.workspace.iteration(state->iterations_done);
-  Timed("sparse", &work, job, [&] { RunSparse(context, *state, &work, job); });
-  RunStereo(context, &work, job);
+  work.files.folder = given.workspace.iteration(state->iterations_done);
+  Timed("sparse", &work, job, [&] { RunSparse(given, *state, &work, job); });
+  RunStereo(given, &work, job);
+  const StageOptions options = OptionsForSite(given, work.photos, state, job);
+  IterationContext context = given;
+  context.options = &options;
   Timed("surface", &work, job, [&] { RunSurface(context, state, &work, job); });
   Timed("coverage", &work, job, [&] { RunCoverage(context, *state, &work, job); });
 
@@ -215,7 +253,7 @@ IterationResult RunIteration(const IterationContext& context, SessionState* stat
     result.stop_reason = work.plan.stop_reason;
     result.summary.reachable_covered_ratio = ReachableCoveredRatio(work);
     result.summary.planned_views = CountPlannedStops(work.path);
-    if (*result.summary.reachable_covered_ratio >= context.options.session.target_covered_ratio) {
+    if (*result.summary.reachable_covered_ratio >= context.options->session.target_covered_ratio) {
       result.stop_reason = "covered";
     } else if (result.stop_reason.empty() && result.summary.planned_views == 0) {
       result.stop_reason = "nothing_reachable";
@@ -229,7 +267,7 @@ IterationResult RunIteration(const IterationContext& context, SessionState* stat
   if (context.truth != nullptr) {
     Timed("evaluation", &work, job, [&] { Evaluate(context, work, &result.summary, job); });
   }
-  if (context.options.session.pictures) {
+  if (context.options->session.pictures) {
     Timed("pictures", &work, job, [&] {
       WriteIterationPictures(
           {work.photos, work.stereo.views, work.surface, work.coverage, work.plan.views, work.path},

@@ -14,10 +14,10 @@
 
 namespace colmap_ext {
 
-// What an iteration works on besides the workspace. The references must outlive it.
+// What an iteration works on besides the workspace. What it refers to must outlive it.
 struct IterationContext {
   const Workspace& workspace;
-  const StageOptions& options;
+  const StageOptions* options;
   SparseUpdateInput sparse;  // without the earlier model, which is read from the iteration before
   std::filesystem::path initial_model_path;  // model to start from; empty for none
   std::filesystem::path true_poses_path;     // empty without truth

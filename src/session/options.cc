@@ -37,6 +37,8 @@ void BindOptions(OptionSet& set, StageOptions* options) {
           "end as covered when this part of what can be reached is covered [0 … 1]");
   set.Add("Session", "max_image_size_px", &session.max_image_size_px,
           "photos are scaled down to this width for the dense stages [px, >= 160]");
+  set.Add("Session", "fit_to_site", &session.fit_to_site,
+          "fit the distances of coverage, views and path to what the first photos resolve");
   set.Add("Session", "pictures", &session.pictures, "write the pictures of every iteration");
   set.Add("Session", "full_resolution", &session.full_resolution,
           "simulation: also photos at full resolution, in images_full/");
@@ -54,6 +56,19 @@ void BindOptions(OptionSet& set, StageOptions* options) {
   BindOptions(set, &options->simulation);
   BindOptions(set, &options->render);
   BindOptions(set, &options->evaluation);
+}
+
+StageOptions FitToSite(const StageOptions& options, double gsd_mm) {
+  StageOptions fitted = options;
+  const double factor = gsd_mm / options.coverage.ground_sampling_distance_mm;
+  fitted.coverage.ground_sampling_distance_mm = gsd_mm;
+  for (double* distance_m :
+       {&fitted.nbv.grid_spacing_m, &fitted.nbv.nms_radius_m,
+        &fitted.nbv.max_distance_to_existing_m, &fitted.nbv.plane_step_m, &fitted.nbv.max_range_m,
+        &fitted.path.cell_size_m, &fitted.path.detour_margin_m, &fitted.path.flown_margin_m}) {
+    *distance_m *= factor;
+  }
+  return fitted;
 }
 
 void ApplyPreset(const std::string& preset, const OptionSet& set, StageOptions* options) {

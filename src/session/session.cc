@@ -159,7 +159,7 @@ SessionSummary RunSimulation(Session session, const JobControl& job) {
     site.Capture(NextFlight(site, &session), workspace, job);
     const StageCost capture = timer.Stop();
 
-    IterationContext context{workspace, session.options, {}, {}, {}, nullptr};
+    IterationContext context{workspace, &session.options, {}, {}, {}, nullptr};
     context.sparse.colmap_path = session.inputs.colmap_path;
     context.sparse.image_path = workspace.images();
     context.sparse.camera = ToCamera(session.options.simulation.LowCamera());
@@ -204,7 +204,7 @@ SessionSummary RunOnPhotos(Session session, const JobControl& job) {
   AnnounceIteration(session, job);
   RemoveUnfinishedIteration(session);
   ImportProject(session);
-  IterationContext context{session.workspace, session.options, {}, {}, {}, nullptr};
+  IterationContext context{session.workspace, &session.options, {}, {}, {}, nullptr};
   context.sparse.colmap_path = session.inputs.colmap_path;
   context.sparse.image_path = session.inputs.image_path;
   context.initial_model_path = session.inputs.sparse_path;

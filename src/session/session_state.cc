@@ -28,6 +28,7 @@ SessionState ReadSessionState(const std::filesystem::path& path) {
     state.region = RegionOfInterest{
         BoundingBox((*region)["min_enu_m"].Vector(), (*region)["max_enu_m"].Vector())};
   }
+  if (const auto gsd = root.Find("site_gsd_mm")) state.site_gsd_mm = gsd->Number();
   if (state.iterations_done < 0) root["iterations_done"].Fail("must not be negative");
   return state;
 }
@@ -42,6 +43,7 @@ void WriteSessionState(const SessionState& state, const std::filesystem::path& p
     json["region"] = {{"min_enu_m", VectorToJson(state.region->box.min())},
                       {"max_enu_m", VectorToJson(state.region->box.max())}};
   }
+  if (state.site_gsd_mm) json["site_gsd_mm"] = *state.site_gsd_mm;
   WriteJsonFile(json, path);
 }
 

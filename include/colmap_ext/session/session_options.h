@@ -30,6 +30,10 @@ struct SessionOptions {
   double target_covered_ratio = 0.99;
   // Photos are scaled down to this width for the dense stages, >= 160 px (paper: 640).
   int max_image_size_px = 1024;
+  // Fit the distances of coverage, views and path to the site: what the first photos resolve (1.5
+  // times their median pixel on the surface) becomes the wanted ground sampling distance, and the
+  // spacings of view and path planning grow or shrink with it. The safe distance stays.
+  bool fit_to_site = false;
   bool pictures = true;          // write the pictures of every iteration
   bool full_resolution = false;  // simulation: also photos at full resolution, in images_full/
 
@@ -59,5 +63,9 @@ struct StageOptions {
 };
 
 void BindOptions(OptionSet& set, StageOptions* options);
+
+// Options for a site whose wanted ground sampling distance is `gsd_mm`: what
+// SessionOptions::fit_to_site does. Returns a copy.
+StageOptions FitToSite(const StageOptions& options, double gsd_mm);
 
 }  // namespace colmap_ext

@@ -2,10 +2,10 @@
 
 #include <atomic>
 #include <iostream>
-#include <opencv2/imgcodecs.hpp>
 
-#include "colmap_ext/mvs/draw.h"
 #include "colmap_ext/mvs/superpixels.h"
+#include "colmap_ext/report/mesh_picture.h"
+#include "colmap_ext/report/photo_picture.h"
 #include "colmap_ext/scene/mesh_io.h"
 #include "colmap_ext/scene/photo.h"
 #include "colmap_ext/scene/workspace.h"
@@ -54,12 +54,6 @@ void WriteImageMesh(const ImageMesh& mesh, const std::filesystem::path& path) {
   WriteMesh(flat, path);
 }
 
-void WritePicture(const cv::Mat& picture, const std::filesystem::path& path) {
-  std::vector<std::uint8_t> bytes;
-  if (!cv::imencode(".png", picture, bytes)) throw Error("cannot encode " + path.string());
-  WriteFileAtomically(path, std::string(bytes.begin(), bytes.end()));
-}
-
 }  // namespace
 
 int RunSuperpixelSegmenter(const Arguments& arguments, const CancelFlag& cancel) {
@@ -91,7 +85,7 @@ int RunSuperpixelSegmenter(const Arguments& arguments, const CancelFlag& cancel)
     const ImageMesh mesh = SegmentPhoto(photo, options);
     num_superpixels[i] = mesh.num_superpixels;
     WriteImageMesh(mesh, paths.output / (names[i] + ".ply"));
-    WritePicture(DrawSuperpixelOverlay(photo, mesh), paths.output / (names[i] + ".png"));
+    WritePng(DrawSuperpixels(photo, mesh), paths.output / (names[i] + ".png"));
     job.Progress("superpixels", ++done, names.size());
   });
   for (std::size_t i = 0; i < names.size(); ++i) {

@@ -9,7 +9,6 @@
 
 #include "colmap_ext/mvs/confidence.h"
 #include "colmap_ext/mvs/depth_map.h"
-#include "colmap_ext/mvs/draw.h"
 #include "colmap_ext/mvs/fusion.h"
 #include "colmap_ext/mvs/neighbors.h"
 #include "colmap_ext/mvs/points.h"
@@ -328,23 +327,6 @@ TEST(StereoIo, DenseWorkspaceHoldsWhatColmapAsksFor) {
   EXPECT_THROW(WriteDenseWorkspace(survey.photos, model, result.views, result.neighbors, 0, folder),
                Error);
   std::filesystem::remove_all(folder);
-}
-
-TEST(Draw, PicturesShowConfidenceAndEdges) {
-  const AnalyticSurvey survey = BoxSurvey(300, 3);
-  const auto result = RunSuperpixelStereo(survey.photos, {}, {}, JobControl());
-  ViewMesh view = result.views[1];
-  const cv::Mat& photo = survey.photos.photos[1].bgr;
-  const cv::Mat overlay = DrawSuperpixelOverlay(photo, view.image);
-  EXPECT_EQ(overlay.size(), cv::Size(640, 480));
-  view.supported.assign(view.supported.size(), 1);
-  view.confidence.assign(view.confidence.size(), 1.0F);
-  const cv::Vec3b sure = DrawConfidence(cv::Mat(), view).at<cv::Vec3b>(100, 100);
-  EXPECT_GT(sure[1], sure[2] + 100);
-  view.confidence.assign(view.confidence.size(), 0.0F);
-  const cv::Vec3b unsure = DrawConfidence(photo, view).at<cv::Vec3b>(100, 100);
-  EXPECT_GT(unsure[2], unsure[1] + 50);
-  EXPECT_EQ(DrawDepth(view).size(), photo.size());
 }
 
 }  // namespace

@@ -85,6 +85,8 @@ void ApplyPreset(const std::string& preset, const OptionSet& set, StageOptions* 
   assign("InitialFlight.height_above_top_m", 0.2, &options->initial_flight.height_above_top_m);
   assign("NextBestView.safe_distance_m", 0.6, &options->nbv.safe_distance_m);
   assign("NextBestView.grid_spacing_m", 0.2, &options->nbv.grid_spacing_m);
+  assign("NextBestView.plane_step_m", 0.1, &options->nbv.plane_step_m);
+  assign("NextBestView.min_altitude_m", 0.3, &options->nbv.min_altitude_m);
   assign("NextBestView.nms_radius_m", 0.2, &options->nbv.nms_radius_m);
   assign("NextBestView.max_distance_to_existing_m", 0.5, &options->nbv.max_distance_to_existing_m);
   assign("Path.safe_distance_m", 0.5, &options->path.safe_distance_m);
@@ -93,7 +95,7 @@ void ApplyPreset(const std::string& preset, const OptionSet& set, StageOptions* 
   assign("Path.flown_margin_m", 0.5, &options->path.flown_margin_m);
   assign("Path.start_tolerance_m", 0.2, &options->path.start_tolerance_m);
   assign("Path.speed_m_s", 0.5, &options->path.speed_m_s);
-  assign("Coverage.ground_sampling_distance_mm", 5.0,
+  assign("Coverage.ground_sampling_distance_mm", 8.0,
          &options->coverage.ground_sampling_distance_mm);
   assign("Pairing.max_distance_m", 1.5, &options->sparse.pairing.max_distance_m);
   assign("Georegistration.max_residual_m", 0.5, &options->sparse.georegistration.max_residual_m);

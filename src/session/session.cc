@@ -123,9 +123,6 @@ void AnnounceResult(const IterationResult& result, const JobControl& job) {
                 summary.registered, summary.photos, 100.0 * summary.covered_ratio.value_or(0.0),
                 summary.planned_views);
   job.Info(line);
-  for (const std::string& name : summary.unregistered) {
-    job.Warn("photo not registered: " + name);
-  }
 }
 
 // The path to fly in the present iteration. Later ones are read back from disk, so that a session

@@ -27,7 +27,7 @@ struct SessionOptions {
   int max_photos = 200;     // stop before a flight that would make more photos, >= 3
   // The session ends as covered when this part of the iso-points that a view could see well is
   // covered, (0, 1]. The last points take most photos.
-  double target_covered_ratio = 0.99;
+  double target_covered_ratio = 0.98;
   // Photos are scaled down to this width for the dense stages, >= 160 px (paper: 640).
   int max_image_size_px = 1024;
   // Fit the distances of coverage, views and path to the site: what the first photos resolve (1.5

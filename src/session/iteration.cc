@@ -10,6 +10,7 @@
 #include "colmap_ext/eval/evaluate.h"
 #include "colmap_ext/mission/qgc_plan.h"
 #include "colmap_ext/mvs/points.h"
+#include "colmap_ext/mvs/stereo_io.h"
 #include "colmap_ext/mvs/superpixel_stereo.h"
 #include "colmap_ext/nbv/plane_sweep.h"
 #include "colmap_ext/path/path_planner.h"
@@ -103,6 +104,12 @@ void RunSparse(const IterationContext& context, const SessionState& state, Work*
   WriteSparseState(work->sparse.state, work->files.sparse_state_json());
 }
 
+void WriteDenseOutput(const Work& work, double min_confidence) {
+  WriteViewMeshes(work.photos, work.stereo.views, min_confidence, work.files.meshes());
+  WriteDenseWorkspace(work.photos, work.sparse.model, work.stereo.views, work.stereo.neighbors,
+                      min_confidence, work.files.dense());
+}
+
 void RunStereo(const IterationContext& context, Work* work, const JobControl& job) {
   const StageOptions& options = *context.options;
   work->photos = LoadPhotoSet(work->sparse.model, context.sparse.image_path.string(), true);
@@ -113,6 +120,7 @@ void RunStereo(const IterationContext& context, Work* work, const JobControl& jo
   Timed("fusion", work, job, [&] {
     work->points = SamplePoints(work->photos, work->stereo.views, options.points);
     WriteOrientedPoints(work->points, work->files.fused_ply());
+    if (options.session.dense_output) WriteDenseOutput(*work, options.points.min_confidence);
   });
   work->cost["fusion"].wall_s += work->stereo.fusion.wall_s;
   work->cost["fusion"].cpu_s += work->stereo.fusion.cpu_s;

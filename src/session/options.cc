@@ -40,6 +40,8 @@ void BindOptions(OptionSet& set, StageOptions* options) {
   set.Add("Session", "fit_to_site", &session.fit_to_site,
           "fit the distances of coverage, views and path to what the first photos resolve");
   set.Add("Session", "pictures", &session.pictures, "write the pictures of every iteration");
+  set.Add("Session", "dense_output", &session.dense_output,
+          "write meshes/ and dense/ (COLMAP's maps) of every iteration; 5 MB a photo");
   set.Add("Session", "full_resolution", &session.full_resolution,
           "simulation: also photos at full resolution, in images_full/");
   BindOptions(set, &options->sparse);

@@ -34,7 +34,9 @@ struct SessionOptions {
   // times their median pixel on the surface) becomes the wanted ground sampling distance, and the
   // spacings of view and path planning grow or shrink with it. The safe distance stays.
   bool fit_to_site = false;
-  bool pictures = true;          // write the pictures of every iteration
+  bool pictures = true;  // write the pictures of every iteration
+  // Write meshes/ and dense/ (COLMAP's depth and normal maps) of every iteration: 5 MB a photo.
+  bool dense_output = false;
   bool full_resolution = false;  // simulation: also photos at full resolution, in images_full/
 
   std::string Check() const;

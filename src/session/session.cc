@@ -246,7 +246,8 @@ SessionSummary RunSession(const SessionInputs& inputs, const StageOptions& optio
                           const JobControl& job) {
   inputs.Check();
   ThrowIfInvalid(options.Check());
-  ColmapProgram{inputs.colmap_path};  // complains before any work is done
+  const ColmapProgram colmap(inputs.colmap_path);  // complains before any work is done
+  job.Debug("colmap: " + colmap.path().string());
   Session session = OpenSession(inputs, options);
   return inputs.IsSimulation() ? RunSimulation(std::move(session), job)
                                : RunOnPhotos(std::move(session), job);

@@ -126,7 +126,7 @@ fs::path FindProgram(const std::string& program) {
   const char* search_path = std::getenv("PATH");
   std::istringstream folders(search_path == nullptr ? "" : search_path);
   for (std::string folder; std::getline(folders, folder, ':');) {
-    const fs::path candidate = fs::path(folder.empty() ? "." : folder) / program;
+    fs::path candidate = fs::path(folder.empty() ? "." : folder) / program;
     if (is_executable(candidate)) return candidate;
   }
   return {};

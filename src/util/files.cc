@@ -85,7 +85,7 @@ void WriteFileAtomically(const fs::path& path, const std::string& content) {
 std::string ReadFile(const fs::path& path) {
   RequireFile(path, "file");
   std::ifstream stream(path, std::ios::binary);
-  const std::string content{std::istreambuf_iterator<char>(stream), {}};
+  std::string content{std::istreambuf_iterator<char>(stream), {}};
   if (!stream.is_open() || stream.bad()) {
     throw Error(path.string() + ": cannot be read: " + SystemReason());
   }

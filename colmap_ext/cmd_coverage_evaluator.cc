@@ -18,17 +18,9 @@ struct Paths {
 };
 
 void CheckPaths(const Paths& paths) {
-  if (!paths.workspace.empty()) {
-    if (!paths.input.empty() || !paths.mesh.empty() || !paths.output.empty()) {
-      throw UsageError(
-          "give either --workspace_path, or --input_path, --mesh_path and --output_path");
-    }
-    RequireFolder(paths.workspace, "workspace");
-    return;
-  }
-  RequireOption(paths.input, "input_path");
-  RequireOption(paths.mesh, "mesh_path");
-  RequireOption(paths.output, "output_path");
+  RequireWorkspaceOrFiles(
+      paths.workspace,
+      {{"input_path", paths.input}, {"mesh_path", paths.mesh}, {"output_path", paths.output}});
 }
 
 // A mesh of unknown origin comes back without signal.

@@ -21,21 +21,10 @@ struct Paths {
 };
 
 void CheckPaths(const Paths& paths) {
-  const bool has_files = !paths.input.empty() || !paths.mesh.empty() || !paths.coverage.empty() ||
-                         !paths.output.empty();
-  if (!paths.workspace.empty()) {
-    if (has_files) {
-      throw UsageError(
-          "give either --workspace_path, or --input_path, --mesh_path, --coverage_path and "
-          "--output_path");
-    }
-    RequireFolder(paths.workspace, "workspace");
-    return;
-  }
-  RequireOption(paths.input, "input_path");
-  RequireOption(paths.mesh, "mesh_path");
-  RequireOption(paths.coverage, "coverage_path");
-  RequireOption(paths.output, "output_path");
+  RequireWorkspaceOrFiles(paths.workspace, {{"input_path", paths.input},
+                                            {"mesh_path", paths.mesh},
+                                            {"coverage_path", paths.coverage},
+                                            {"output_path", paths.output}});
 }
 
 std::string Describe(const ViewPlanResult& plan) {

@@ -5,10 +5,28 @@
 #include "colmap_ext/scene/reconstruction_io.h"
 #include "colmap_ext/session/session_options.h"
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/files.h"
+#include "command_line.h"
 
 namespace colmap_ext {
 
 namespace fs = std::filesystem;
+
+void RequireWorkspaceOrFiles(const fs::path& workspace_path, const std::vector<PathOption>& files) {
+  if (workspace_path.empty()) {
+    for (const PathOption& file : files) RequireOption(file.value, file.name);
+    return;
+  }
+  std::string names;
+  bool has_files = false;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    names += i == 0 ? "" : i + 1 == files.size() ? " and " : ", ";
+    names += std::string("--") + files[i].name;
+    has_files = has_files || !files[i].value.empty();
+  }
+  if (has_files) throw UsageError("give either --workspace_path, or " + names);
+  RequireFolder(workspace_path, "workspace");
+}
 
 IterationFiles LatestIterationFiles(const Workspace& workspace) {
   const std::optional<int> latest = workspace.LatestIteration();

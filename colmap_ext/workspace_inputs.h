@@ -2,6 +2,9 @@
 // what the session gave.
 #pragma once
 
+#include <filesystem>
+#include <vector>
+
 #include "colmap_ext/coverage/region.h"
 #include "colmap_ext/scene/photo.h"
 #include "colmap_ext/scene/workspace.h"
@@ -10,6 +13,17 @@
 #include "colmap_ext/util/stage_timer.h"
 
 namespace colmap_ext {
+
+// A path option of a command, by name without dashes.
+struct PathOption {
+  const char* name;
+  const std::filesystem::path& value;
+};
+
+// A command works in a workspace or on files: throws UsageError unless either `workspace_path` is
+// given and none of `files`, or all of `files`; Error when there is no such workspace.
+void RequireWorkspaceOrFiles(const std::filesystem::path& workspace_path,
+                             const std::vector<PathOption>& files);
 
 // Files of the newest iteration. Throws Error when the workspace has none.
 IterationFiles LatestIterationFiles(const Workspace& workspace);

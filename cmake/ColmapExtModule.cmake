@@ -42,3 +42,13 @@ function(colmap_ext_tests name)
                                              colmap_ext_warnings)
   gtest_discover_tests(test_${name} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT 1500)
 endfunction()
+
+# colmap_ext_bench(<name> [LIBRARIES ...]) makes bench_<name> from bench/<name>/*.cc.
+function(colmap_ext_bench name)
+  cmake_parse_arguments(ARG "" "" "LIBRARIES" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cc)
+  add_executable(bench_${name} ${sources})
+  target_include_directories(bench_${name} PRIVATE ${CMAKE_SOURCE_DIR}/src)
+  target_link_libraries(bench_${name} PRIVATE colmap_ext_bench_support ${ARG_LIBRARIES}
+                                              colmap_ext_warnings)
+endfunction()

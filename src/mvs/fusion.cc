@@ -162,13 +162,15 @@ std::vector<DepthRow> CollectFusionRows(const std::vector<ViewMesh>& views,
 
 void FuseViews(const std::vector<LinearStereo>& solvers,
                const std::vector<std::vector<int>>& neighbors,
+               const std::vector<std::vector<DepthRow>>& extra_rows,
                const SuperpixelStereoOptions& options, const JobControl& job,
                std::vector<ViewLookup>* lookups, std::vector<ViewMesh>* views) {
   std::vector<ViewMesh> refined = *views;
   tbb::parallel_for(std::size_t{0}, views->size(), [&](std::size_t i) {
     job.ThrowIfCancelled();
-    const std::vector<DepthRow> rows =
+    std::vector<DepthRow> rows =
         CollectFusionRows(*views, *lookups, neighbors[i], static_cast<int>(i), options);
+    rows.insert(rows.end(), extra_rows[i].begin(), extra_rows[i].end());
     std::vector<std::uint8_t> fixed;
     for (std::size_t t = 0; t < refined[i].image.triangles.size(); ++t) {
       fixed.push_back(IsFree(refined[i], t, options) ? 0 : 1);

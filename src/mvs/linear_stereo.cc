@@ -185,18 +185,18 @@ LinearStereo& LinearStereo::operator=(LinearStereo&&) noexcept = default;
 
 const ViewMesh& LinearStereo::initial() const { return impl_->initial; }
 
-void LinearStereo::Refine(const std::vector<std::uint8_t>& fixed,
-                          const std::vector<DepthRow>& fusion_rows, ViewMesh* mesh) const {
+void LinearStereo::Refine(const std::vector<std::uint8_t>& fixed, const std::vector<DepthRow>& rows,
+                          ViewMesh* mesh) const {
   double scale = impl_->scale;
   if (scale == 0) {
-    if (fusion_rows.empty()) return;
+    if (rows.empty()) return;
     std::vector<double> inverse_depths;
-    for (const DepthRow& row : fusion_rows) inverse_depths.push_back(row.inverse_depth);
+    for (const DepthRow& row : rows) inverse_depths.push_back(row.inverse_depth);
     scale = Median(inverse_depths);
   }
   FacetSystem system = impl_->MakeSystem(1.0);
   for (const DepthRow& row : impl_->sfm_rows) system.Add(row);
-  for (DepthRow row : fusion_rows) {
+  for (DepthRow row : rows) {
     row.inverse_depth /= scale;
     system.Add(row);
   }
@@ -207,8 +207,7 @@ void LinearStereo::Refine(const std::vector<std::uint8_t>& fixed,
                 std::to_string(mesh->photo_index) + " cannot be factorised");
   }
   mesh->supported = impl_->initial.supported;
-  for (const DepthRow& row : fusion_rows)
-    mesh->supported[static_cast<std::size_t>(row.triangle)] = 1;
+  for (const DepthRow& row : rows) mesh->supported[static_cast<std::size_t>(row.triangle)] = 1;
   for (std::size_t t = 0; t < depth.size(); ++t) {
     if (fixed[t] != 0) {
       mesh->supported[t] = 1;

@@ -81,8 +81,9 @@ SuperpixelStereoResult RunSuperpixelStereo(const PhotoSet& photos,
   // Confidence evaluation and multi-view depth fusion.
   const StageTimer fusion_timer;
   EvaluateConfidence(lookups, result.neighbors, options, &result.views);
+  const std::vector<std::vector<DepthRow>> extra_rows(count);  // beside those of fusion
   for (int pass = 0; pass < options.fusion_passes; ++pass) {
-    FuseViews(solvers, result.neighbors, options, job, &lookups, &result.views);
+    FuseViews(solvers, result.neighbors, extra_rows, options, job, &lookups, &result.views);
     job.Progress("fusion", static_cast<std::size_t>(pass) + 1,
                  static_cast<std::size_t>(options.fusion_passes));
   }

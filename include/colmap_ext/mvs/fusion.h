@@ -25,9 +25,11 @@ std::vector<DepthRow> CollectFusionRows(const std::vector<ViewMesh>& views,
 // One pass: every view is solved again from the result of the pass before (so the order of views
 // and the number of threads do not matter), facets with confidence above options.fixed_confidence
 // fixed; then lookups and confidence are renewed. `solvers`, `lookups` and `views` have one entry a
-// view. Throws CancelledError.
+// view, and so has `extra_rows`: what else is known of its facets (photometric hypotheses), beside
+// the rows of E_fusion; rows of fixed facets do nothing. Throws CancelledError.
 void FuseViews(const std::vector<LinearStereo>& solvers,
                const std::vector<std::vector<int>>& neighbors,
+               const std::vector<std::vector<DepthRow>>& extra_rows,
                const SuperpixelStereoOptions& options, const JobControl& job,
                std::vector<ViewLookup>* lookups, std::vector<ViewMesh>* views);
 

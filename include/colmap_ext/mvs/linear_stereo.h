@@ -44,10 +44,11 @@ class LinearStereo {
   // point all inverse depths are 0. Confidence is 0 everywhere.
   const ViewMesh& initial() const;
 
-  // Minimises Eq. "surface_reconstruction_fusion": the terms above and `fusion_rows`, over the
-  // triangles with fixed[t] == 0; the others keep mesh->inverse_depth. Triangles with fusion rows
-  // become supported. Leaves the mesh alone when there is nothing to go by.
-  void Refine(const std::vector<std::uint8_t>& fixed, const std::vector<DepthRow>& fusion_rows,
+  // Minimises Eq. "surface_reconstruction_fusion": the terms above and `rows` (E_fusion and
+  // whatever else is known of a facet's depth), over the triangles with fixed[t] == 0; the others
+  // keep mesh->inverse_depth. Triangles with rows become supported. Leaves the mesh alone when
+  // there is nothing to go by.
+  void Refine(const std::vector<std::uint8_t>& fixed, const std::vector<DepthRow>& rows,
               ViewMesh* mesh) const;
 
  private:

@@ -17,6 +17,7 @@ struct SuperpixelStereoResult {
   std::vector<std::vector<int>> neighbors;  // of each view, best first
   StageCost superpixels;
   StageCost stereo;
+  StageCost photometric;
   StageCost fusion;
 };
 

@@ -202,6 +202,100 @@ double FovRatio(double omega, double r) {
   return std::atan(r * a) / (r * omega);
 }
 
+// FovRatio with its derivatives by omega and by r².
+struct FovDerivatives {
+  double ratio, by_omega, by_r2;
+};
+FovDerivatives DeriveFov(double omega, double r) {
+  // Series where the closed forms cancel; what is left out is of fourth order.
+  if (std::abs(omega) < 1e-3) {
+    const double a_by_omega = 1 + omega * omega / 12;
+    const double cubic = a_by_omega * a_by_omega * a_by_omega * omega * omega / 3;
+    return {a_by_omega - cubic * r * r, omega / 6 - 2 * omega * r * r / 3, -cubic};
+  }
+  const double a = 2 * std::tan(omega / 2);
+  if (r < 1e-4) {
+    const double cubic = a * a * a / (3 * omega);
+    return {a / omega - cubic * r * r, (1 + a * a / 4 - a / omega) / omega, -cubic};
+  }
+  const double slope = 1 / (1 + r * r * a * a);  // of atan at r a
+  const double ratio = std::atan(r * a) / (r * omega);
+  const double by_omega = (slope * (1 + a * a / 4) - ratio) / omega;
+  const double by_r2 = (slope * a / omega - ratio) / (2 * r * r);
+  return {ratio, by_omega, by_r2};
+}
+
+// Distorted point with derivatives by `normalized` and by the distortion parameters.
+using DistortionDerivatives = Eigen::Matrix<double, 2, kMaxCameraParams>;
+Eigen::Vector2d DeriveFovDistortion(double omega, const Eigen::Vector2d& normalized,
+                                    Eigen::Matrix2d* by_normalized,
+                                    DistortionDerivatives* by_distortion) {
+  const FovDerivatives fov = DeriveFov(omega, normalized.norm());
+  *by_normalized =
+      fov.ratio * Eigen::Matrix2d::Identity() + 2 * fov.by_r2 * normalized * normalized.transpose();
+  by_distortion->col(0) = fov.by_omega * normalized;
+  return fov.ratio * normalized;
+}
+
+// Columns in the order of COLMAP's parameters.
+void DerivePolynomial(CameraModel model, const Polynomial& poly, const Eigen::Vector2d& u,
+                      DistortionDerivatives* by_distortion) {
+  const double r2 = u.squaredNorm();
+  const double denominator = 1 + r2 * (poly.d1 + r2 * (poly.d2 + r2 * poly.d3));
+  const Eigen::Vector2d n1 = u * (r2 / denominator);
+  const Eigen::Vector2d p1(2 * u.x() * u.y(), r2 + 2 * u.y() * u.y());
+  const Eigen::Vector2d p2(r2 + 2 * u.x() * u.x(), 2 * u.x() * u.y());
+  DistortionDerivatives& by = *by_distortion;
+  by.col(0) = n1;
+  by.col(1) = n1 * r2;
+  switch (model) {
+    case CameraModel::kOpenCVFisheye:
+      by.col(2) = n1 * (r2 * r2);
+      by.col(3) = n1 * (r2 * r2 * r2);
+      return;
+    case CameraModel::kOpenCV:
+    case CameraModel::kFullOpenCV:
+    case CameraModel::kThinPrismFisheye:
+      by.col(2) = p1;
+      by.col(3) = p2;
+      break;
+    default:
+      return;
+  }
+  if (model == CameraModel::kOpenCV) return;
+  by.col(4) = n1 * (r2 * r2);
+  if (model == CameraModel::kThinPrismFisheye) {
+    by.col(5) = n1 * (r2 * r2 * r2);
+    by.col(6) = Eigen::Vector2d(r2, 0);
+    by.col(7) = Eigen::Vector2d(0, r2);
+    return;
+  }
+  const double numerator = 1 + r2 * (poly.n1 + r2 * (poly.n2 + r2 * poly.n3));
+  by.col(5) = n1 * (-numerator / denominator);
+  by.col(6) = by.col(5) * r2;
+  by.col(7) = by.col(6) * r2;
+}
+
+Eigen::Vector2d DerivePolynomialDistortion(CameraModel model, const double* distortion,
+                                           const Eigen::Vector2d& normalized,
+                                           Eigen::Matrix2d* by_normalized,
+                                           DistortionDerivatives* by_distortion) {
+  const Polynomial poly = PolynomialOf(model, distortion);
+  const Eigen::Vector2d u = poly.is_fisheye ? EquidistantFromNormalized(normalized) : normalized;
+  const Eigen::Vector2d distorted = Distort(poly, u, by_normalized);
+  DerivePolynomial(model, poly, u, by_distortion);
+  const double r = normalized.norm();
+  // Below this, the equidistant point is the normalised one to the last bit.
+  if (poly.is_fisheye && r > 1e-6) {
+    const double ratio = std::atan(r) / r;
+    const Eigen::Matrix2d u_by_normalized =
+        ratio * Eigen::Matrix2d::Identity() +
+        ((1 / (1 + r * r) - ratio) / (r * r)) * normalized * normalized.transpose();
+    *by_normalized = (*by_normalized * u_by_normalized).eval();
+  }
+  return distorted;
+}
+
 std::optional<Eigen::Vector2d> UndistortFov(double omega, const Eigen::Vector2d& distorted) {
   const double a = 2 * std::tan(omega / 2);
   const double r = distorted.norm();
@@ -212,6 +306,8 @@ std::optional<Eigen::Vector2d> UndistortFov(double omega, const Eigen::Vector2d&
 }
 
 }  // namespace
+
+int NumFocalParams(CameraModel model) { return HasOneFocalLength(model) ? 1 : 2; }
 
 const CameraModelInfo& GetCameraModelInfo(int model_id) {
   if (model_id < 0 || static_cast<std::size_t>(model_id) >= kModels.size()) {
@@ -243,6 +339,32 @@ Eigen::Vector2d ImageFromNormalized(const Camera& camera, const Eigen::Vector2d&
     const Polynomial poly = PolynomialOf(camera.model, in.distortion);
     distorted = Distort(poly, poly.is_fisheye ? EquidistantFromNormalized(normalized) : normalized,
                         nullptr);
+  }
+  return {in.fx * distorted.x() + in.cx, in.fy * distorted.y() + in.cy};
+}
+
+Eigen::Vector2d ImageFromNormalized(const Camera& camera, const Eigen::Vector2d& normalized,
+                                    ProjectionDerivatives* derivatives) {
+  const Intrinsics in = IntrinsicsOf(camera);
+  DistortionDerivatives by_distortion;
+  const Eigen::Vector2d distorted =
+      camera.model == CameraModel::kFOV
+          ? DeriveFovDistortion(in.distortion[0], normalized, &derivatives->by_normalized,
+                                &by_distortion)
+          : DerivePolynomialDistortion(camera.model, in.distortion, normalized,
+                                       &derivatives->by_normalized, &by_distortion);
+  const Eigen::Vector2d focal(in.fx, in.fy);
+  derivatives->by_normalized = focal.asDiagonal() * derivatives->by_normalized;
+  auto& by = derivatives->by_params;
+  const int num_focal = NumFocalParams(camera.model);
+  if (num_focal == 1) {
+    by.col(0) = distorted;
+  } else {
+    by.leftCols<2>() = distorted.asDiagonal();
+  }
+  by.middleCols<2>(num_focal).setIdentity();
+  for (Eigen::Index k = 0; k < static_cast<Eigen::Index>(in.num_distortion); ++k) {
+    by.col(num_focal + 2 + k) = focal.cwiseProduct(by_distortion.col(k));
   }
   return {in.fx * distorted.x() + in.cx, in.fy * distorted.y() + in.cy};
 }

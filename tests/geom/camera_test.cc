@@ -59,6 +59,48 @@ TEST_P(EveryCameraModel, PixelComesBackOverTheWholeImage) {
   }
 }
 
+TEST_P(EveryCameraModel, DerivativesAreThoseOfTheProjection) {
+  const Camera& camera = GetParam();
+  for (const Eigen::Vector2d& point : {Eigen::Vector2d(0.31, -0.22), Eigen::Vector2d(-0.5, 0.05),
+                                       Eigen::Vector2d(2e-5, 1e-5), Eigen::Vector2d(0, 0)}) {
+    ProjectionDerivatives derivatives;
+    const Eigen::Vector2d pixel = ImageFromNormalized(camera, point, &derivatives);
+    EXPECT_LT((pixel - ImageFromNormalized(camera, point)).norm(), 1e-9);
+    constexpr double kStep = 1e-6;
+    for (int axis = 0; axis < 2; ++axis) {
+      const Eigen::Vector2d step = kStep * Eigen::Vector2d::Unit(axis);
+      const Eigen::Vector2d numeric =
+          (ImageFromNormalized(camera, point + step) - ImageFromNormalized(camera, point - step)) /
+          (2 * kStep);
+      EXPECT_LT((derivatives.by_normalized.col(axis) - numeric).norm(), 1e-5) << point.transpose();
+    }
+    for (std::size_t k = 0; k < camera.params.size(); ++k) {
+      Camera more = camera, less = camera;
+      more.params[k] += kStep;
+      less.params[k] -= kStep;
+      const Eigen::Vector2d numeric =
+          (ImageFromNormalized(more, point) - ImageFromNormalized(less, point)) / (2 * kStep);
+      const Eigen::Vector2d by_param = derivatives.by_params.col(static_cast<Eigen::Index>(k));
+      EXPECT_LT((by_param - numeric).norm(), 1e-5) << "parameter " << k;
+    }
+  }
+}
+
+TEST(FovCamera, DerivativesGoThroughZeroDistortion) {
+  for (const double omega : {0.0, 1e-4, 1.2e-3}) {
+    const Camera camera = MakeCamera(CameraModel::kFOV, {400, 405, 318, 186, omega});
+    const Eigen::Vector2d point(0.4, -0.3);
+    ProjectionDerivatives derivatives;
+    ImageFromNormalized(camera, point, &derivatives);
+    Camera more = camera, less = camera;
+    more.params[4] = omega + 1e-3;
+    less.params[4] = omega - 1e-3;
+    const Eigen::Vector2d numeric =
+        (ImageFromNormalized(more, point) - ImageFromNormalized(less, point)) / 2e-3;
+    EXPECT_LT((derivatives.by_params.col(4) - numeric).norm(), 1e-4) << omega;
+  }
+}
+
 TEST_P(EveryCameraModel, NormalizedPointComesBack) {
   const Camera& camera = GetParam();
   std::mt19937_64 random(7);

@@ -29,6 +29,9 @@ struct CameraModelInfo {
   const char* name;  // "SIMPLE_PINHOLE" …
   int num_params;
 };
+// Parameters begin with so many focal lengths (1 or 2), then the principal point's two, then
+// distortion.
+int NumFocalParams(CameraModel model);
 // The eleven models. Throws Error (naming the id or name) for an unknown one.
 const CameraModelInfo& GetCameraModelInfo(int model_id);
 const CameraModelInfo& GetCameraModelInfo(const std::string& model_name);
@@ -66,6 +69,14 @@ struct PinholeCamera {
 // Normalised camera coordinates (x/z, y/z) to pixel, with the model's distortion. This and the
 // functions below throw Error when the number of parameters is not the model's.
 Eigen::Vector2d ImageFromNormalized(const Camera& camera, const Eigen::Vector2d& normalized);
+// The same with its derivatives.
+inline constexpr int kMaxCameraParams = 12;
+struct ProjectionDerivatives {
+  Eigen::Matrix2d by_normalized;
+  Eigen::Matrix<double, 2, kMaxCameraParams> by_params;  // the first num_params columns are set
+};
+Eigen::Vector2d ImageFromNormalized(const Camera& camera, const Eigen::Vector2d& normalized,
+                                    ProjectionDerivatives* derivatives);
 // Inverse of the above; nullopt where the iteration does not converge, where the lens polynomial
 // has folded over (no point joined to the centre maps there), and 90 degrees and more off a
 // fisheye's axis.

@@ -8,10 +8,6 @@
 namespace colmap_ext {
 namespace {
 
-struct PosePair {
-  Rigid3d cam_from_reference, cam_from_moved;
-};
-
 std::vector<PosePair> CommonPoses(const Reconstruction& reference, const Reconstruction& moved) {
   std::vector<PosePair> poses;
   for (const auto& [id, image] : reference.images) {
@@ -36,16 +32,11 @@ double Spread(const std::vector<PosePair>& poses, Rigid3d PosePair::*pose) {
 
 }  // namespace
 
-Sim3d ReferenceFromMoved(const Reconstruction& reference, const Reconstruction& moved) {
-  const std::vector<PosePair> poses = CommonPoses(reference, moved);
-  const double reference_spread =
-      poses.size() < 2 ? 0 : Spread(poses, &PosePair::cam_from_reference);
-  const double moved_spread = poses.size() < 2 ? 0 : Spread(poses, &PosePair::cam_from_moved);
-  if (!(reference_spread > 0 && moved_spread > 0)) {
-    throw Error(
-        "the updated model shares fewer than 2 places with the old one; the old frame "
-        "cannot be kept");
-  }
+std::optional<Sim3d> ReferenceFromMoved(const std::vector<PosePair>& poses) {
+  if (poses.size() < 2) return std::nullopt;
+  const double reference_spread = Spread(poses, &PosePair::cam_from_reference);
+  const double moved_spread = Spread(poses, &PosePair::cam_from_moved);
+  if (!(reference_spread > 0 && moved_spread > 0)) return std::nullopt;
   // Four points a camera: the centre, and one step along each of its axes. The step is as long as
   // the cameras are apart, in either model's own unit.
   const Eigen::Index count = static_cast<Eigen::Index>(4 * poses.size());
@@ -60,6 +51,15 @@ Sim3d ReferenceFromMoved(const Reconstruction& reference, const Reconstruction& 
     }
   }
   return EstimateSimilarity(moved_points, reference_points);
+}
+
+Sim3d ReferenceFromMoved(const Reconstruction& reference, const Reconstruction& moved) {
+  const std::optional<Sim3d> reference_from_moved =
+      ReferenceFromMoved(CommonPoses(reference, moved));
+  if (reference_from_moved) return *reference_from_moved;
+  throw Error(
+      "the updated model shares fewer than 2 places with the old one; the old frame "
+      "cannot be kept");
 }
 
 }  // namespace colmap_ext

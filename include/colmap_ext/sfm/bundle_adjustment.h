@@ -26,7 +26,7 @@ struct BundleOptions {
   bool refine_principal_point = false;
   bool refine_extra_params = false;  // distortion
   int max_iterations = 50;           // of one round; >= 1
-  double function_tolerance = 1e-6;  // relative change of the cost that ends a round; [0, 1)
+  double function_tolerance = 1e-5;  // relative change of the cost that ends a round; [0, 1)
   // Rounds of adjusting and filtering: the last one is that which filters less than
   // max_filtered_part of the observations; >= 1.
   int max_rounds = 3;

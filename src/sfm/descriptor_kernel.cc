@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <numeric>
 
 #if defined(__x86_64__)
 #include <immintrin.h>
@@ -11,57 +12,101 @@
 namespace colmap_ext {
 namespace {
 
-// Descriptors are widened to 16 bits and taken two components at a time: the processor multiplies
-// and adds such pairs into 32 bits in one instruction. 128 * 255^2 < 2^31: nothing can overflow.
-constexpr int kNumWords = kDescriptorSize / 2;  // one word = two 16-bit components
-constexpr int kRows = 4;                        // descriptors of the first photo in one block
-constexpr int kColumns = 16;                    // ... of the second
+// Descriptors are taken a word of 32 bits at a time. Two components of 16 bits: the processor
+// multiplies and adds such pairs into 32 bits in one instruction (128 * 255^2 < 2^31: nothing can
+// overflow). Or, with VNNI, four components of 8 bits.
+constexpr int kPairWords = kDescriptorSize / 2;
+constexpr int kQuadWords = kDescriptorSize / 4;
+constexpr int kRows = 4;    // descriptors of the first photo in one block
+constexpr int kLanes = 16;  // step in which padded rows of products are searched
 
 using Word = std::int32_t;
 
-Word PackWord(const std::uint8_t* bytes) {
+Word PairWord(const std::uint8_t* bytes) {
   return static_cast<Word>(bytes[0]) | (static_cast<Word>(bytes[1]) << 16);
+}
+
+Word QuadWord(const std::uint8_t* bytes) {
+  Word word = 0;
+  std::memcpy(&word, bytes, sizeof(word));
+  return word;
+}
+
+// VNNI multiplies unsigned by signed bytes: b becomes b - 128, and 128 times the sum of the other
+// descriptor is added again.
+constexpr int kSignedOffset = 128;
+Word SignedQuadWord(const std::uint8_t* bytes) {
+  return QuadWord(bytes) ^ static_cast<Word>(0x80808080U);
 }
 
 int RoundUp(int value, int step) { return (value + step - 1) / step * step; }
 
+const std::uint8_t* DescriptorAt(const DescriptorView& view, int i) {
+  return view.bytes + static_cast<std::ptrdiff_t>(i) * kDescriptorSize;
+}
+
 // [row][word], rows padded with zeros to full blocks.
-std::vector<Word> PackRows(const DescriptorView& view) {
-  const int rows = RoundUp(view.count, kRows);
-  std::vector<Word> words(static_cast<std::size_t>(rows) * kNumWords, 0);
+std::vector<Word> PackPairRows(const DescriptorView& view) {
+  std::vector<Word> words(static_cast<std::size_t>(RoundUp(view.count, kRows)) * kPairWords, 0);
+  Word* word = words.data();
   for (int i = 0; i < view.count; ++i) {
-    for (int w = 0; w < kNumWords; ++w) {
-      words[static_cast<std::size_t>(i * kNumWords + w)] =
-          PackWord(view.bytes + static_cast<std::ptrdiff_t>(i) * kDescriptorSize + 2 * w);
-    }
+    const std::uint8_t* bytes = DescriptorAt(view, i);
+    for (int w = 0; w < kPairWords; ++w) *word++ = PairWord(bytes + 2 * w);
   }
   return words;
 }
 
-// [block][word][column], so that one load brings the same word of several descriptors.
-std::vector<Word> PackColumns(const DescriptorView& view) {
-  const int columns = RoundUp(view.count, kColumns);
-  std::vector<Word> words(static_cast<std::size_t>(columns) * kNumWords, 0);
+// The same, with the offset that its products begin with as one more word.
+std::vector<Word> PackQuadRows(const DescriptorView& view) {
+  std::vector<Word> words(static_cast<std::size_t>(RoundUp(view.count, kRows)) * (kQuadWords + 1),
+                          0);
+  Word* word = words.data();
+  for (int i = 0; i < view.count; ++i) {
+    const std::uint8_t* bytes = DescriptorAt(view, i);
+    for (int w = 0; w < kQuadWords; ++w) *word++ = QuadWord(bytes + 4 * w);
+    *word++ = kSignedOffset * std::accumulate(bytes, bytes + kDescriptorSize, 0);
+  }
+  return words;
+}
+
+// [block][word][column], so that one load brings the same word of several descriptors. Padded with
+// descriptors of zeros.
+template <int kColumns, int kBytesPerWord>
+std::vector<Word> PackColumns(const DescriptorView& view, Word (*pack)(const std::uint8_t*)) {
+  constexpr int kWords = kDescriptorSize / kBytesPerWord;
+  const std::uint8_t zeros[kBytesPerWord] = {};
+  std::vector<Word> words(static_cast<std::size_t>(RoundUp(view.count, kColumns)) * kWords,
+                          pack(zeros));
   for (int j = 0; j < view.count; ++j) {
-    Word* block = words.data() + static_cast<std::ptrdiff_t>(j / kColumns) * kNumWords * kColumns;
-    for (int w = 0; w < kNumWords; ++w) {
-      block[w * kColumns + j % kColumns] =
-          PackWord(view.bytes + static_cast<std::ptrdiff_t>(j) * kDescriptorSize + 2 * w);
+    Word* block = words.data() + static_cast<std::ptrdiff_t>(j / kColumns) * kWords * kColumns;
+    const std::uint8_t* bytes = DescriptorAt(view, j);
+    for (int w = 0; w < kWords; ++w) {
+      block[w * kColumns + j % kColumns] = pack(bytes + kBytesPerWord * w);
     }
   }
   return words;
 }
 
-// dots[r * stride + c] = row r . column c for one block. `rows`: kRows x kNumWords.
+constexpr int kPairColumns = 16;  // descriptors of the second photo in one block
+constexpr int kQuadColumns = 64;
+
+std::vector<Word> PackPairColumns(const DescriptorView& view) {
+  return PackColumns<kPairColumns, 2>(view, PairWord);
+}
+std::vector<Word> PackQuadColumns(const DescriptorView& view) {
+  return PackColumns<kQuadColumns, 4>(view, SignedQuadWord);
+}
+
+// dots[r * stride + c] = row r . column c for one block.
 using BlockKernel = void (*)(const Word* rows, const Word* columns, std::int32_t* dots, int stride);
 
 void BlockPortable(const Word* rows, const Word* columns, std::int32_t* dots, int stride) {
   for (int r = 0; r < kRows; ++r) {
-    std::array<std::int32_t, kColumns> sum{};
-    for (int w = 0; w < kNumWords; ++w) {
-      const Word a = rows[r * kNumWords + w];
-      for (int c = 0; c < kColumns; ++c) {
-        const Word b = columns[w * kColumns + c];
+    std::array<std::int32_t, kPairColumns> sum{};
+    for (int w = 0; w < kPairWords; ++w) {
+      const Word a = rows[r * kPairWords + w];
+      for (int c = 0; c < kPairColumns; ++c) {
+        const Word b = columns[w * kPairColumns + c];
         sum[static_cast<std::size_t>(c)] += (a & 0xffff) * (b & 0xffff) + (a >> 16) * (b >> 16);
       }
     }
@@ -71,15 +116,15 @@ void BlockPortable(const Word* rows, const Word* columns, std::int32_t* dots, in
 
 #if defined(__x86_64__)
 void BlockSse2(const Word* rows, const Word* columns, std::int32_t* dots, int stride) {
-  constexpr int kLanes = 4;
-  for (int half = 0; half < kColumns; half += 2 * kLanes) {
+  constexpr int kStep = 4;
+  for (int half = 0; half < kPairColumns; half += 2 * kStep) {
     __m128i sum[kRows][2] = {};
-    for (int w = 0; w < kNumWords; ++w) {
-      const Word* column = columns + w * kColumns + half;
+    for (int w = 0; w < kPairWords; ++w) {
+      const Word* column = columns + w * kPairColumns + half;
       const __m128i b0 = _mm_loadu_si128(reinterpret_cast<const __m128i*>(column));
-      const __m128i b1 = _mm_loadu_si128(reinterpret_cast<const __m128i*>(column + kLanes));
+      const __m128i b1 = _mm_loadu_si128(reinterpret_cast<const __m128i*>(column + kStep));
       for (int r = 0; r < kRows; ++r) {
-        const __m128i a = _mm_set1_epi32(rows[r * kNumWords + w]);
+        const __m128i a = _mm_set1_epi32(rows[r * kPairWords + w]);
         sum[r][0] = _mm_add_epi32(sum[r][0], _mm_madd_epi16(a, b0));
         sum[r][1] = _mm_add_epi32(sum[r][1], _mm_madd_epi16(a, b1));
       }
@@ -87,21 +132,21 @@ void BlockSse2(const Word* rows, const Word* columns, std::int32_t* dots, int st
     for (int r = 0; r < kRows; ++r) {
       std::int32_t* out = dots + static_cast<std::ptrdiff_t>(r) * stride + half;
       _mm_storeu_si128(reinterpret_cast<__m128i*>(out), sum[r][0]);
-      _mm_storeu_si128(reinterpret_cast<__m128i*>(out + kLanes), sum[r][1]);
+      _mm_storeu_si128(reinterpret_cast<__m128i*>(out + kStep), sum[r][1]);
     }
   }
 }
 
 __attribute__((target("avx2"))) void BlockAvx2(const Word* rows, const Word* columns,
                                                std::int32_t* dots, int stride) {
-  constexpr int kLanes = 8;
+  constexpr int kStep = 8;
   __m256i sum[kRows][2] = {};
-  for (int w = 0; w < kNumWords; ++w) {
-    const Word* column = columns + w * kColumns;
+  for (int w = 0; w < kPairWords; ++w) {
+    const Word* column = columns + w * kPairColumns;
     const __m256i b0 = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(column));
-    const __m256i b1 = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(column + kLanes));
+    const __m256i b1 = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(column + kStep));
     for (int r = 0; r < kRows; ++r) {
-      const __m256i a = _mm256_set1_epi32(rows[r * kNumWords + w]);
+      const __m256i a = _mm256_set1_epi32(rows[r * kPairWords + w]);
       sum[r][0] = _mm256_add_epi32(sum[r][0], _mm256_madd_epi16(a, b0));
       sum[r][1] = _mm256_add_epi32(sum[r][1], _mm256_madd_epi16(a, b1));
     }
@@ -109,7 +154,30 @@ __attribute__((target("avx2"))) void BlockAvx2(const Word* rows, const Word* col
   for (int r = 0; r < kRows; ++r) {
     std::int32_t* out = dots + static_cast<std::ptrdiff_t>(r) * stride;
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), sum[r][0]);
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + kLanes), sum[r][1]);
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + kStep), sum[r][1]);
+  }
+}
+
+__attribute__((target("avx512f,avx512vnni"))) void BlockVnni(const Word* rows, const Word* columns,
+                                                             std::int32_t* dots, int stride) {
+  constexpr int kStep = 16, kVectors = kQuadColumns / kStep, kRowWords = kQuadWords + 1;
+  __m512i sum[kRows][kVectors];
+  for (int r = 0; r < kRows; ++r) {
+    for (__m512i& lanes : sum[r]) lanes = _mm512_set1_epi32(rows[r * kRowWords + kQuadWords]);
+  }
+  for (int w = 0; w < kQuadWords; ++w) {
+    __m512i b[kVectors];
+    for (int v = 0; v < kVectors; ++v) {
+      b[v] = _mm512_loadu_si512(columns + w * kQuadColumns + v * kStep);
+    }
+    for (int r = 0; r < kRows; ++r) {
+      const __m512i a = _mm512_set1_epi32(rows[r * kRowWords + w]);
+      for (int v = 0; v < kVectors; ++v) sum[r][v] = _mm512_dpbusd_epi32(sum[r][v], a, b[v]);
+    }
+  }
+  for (int r = 0; r < kRows; ++r) {
+    std::int32_t* out = dots + static_cast<std::ptrdiff_t>(r) * stride;
+    for (int v = 0; v < kVectors; ++v) _mm512_storeu_si512(out + v * kStep, sum[r][v]);
   }
 }
 #endif
@@ -150,17 +218,23 @@ __attribute__((target("avx2"))) void UpdateAvx2(const std::int32_t* dots, int co
                                                 std::int32_t* second, std::int32_t* index) {
   UpdateBody(dots, count, first_index, step, best, second, index);
 }
+
+__attribute__((target("avx512f,prefer-vector-width=512"))) void UpdateAvx512(
+    const std::int32_t* dots, int count, int first_index, int step, std::int32_t* best,
+    std::int32_t* second, std::int32_t* index) {
+  UpdateBody(dots, count, first_index, step, best, second, index);
+}
 #endif
 
 // Best two over one row: lane by lane first, then over the lanes; ties go to the lowest index.
 BestTwo BestOfRow(const std::int32_t* dots, int padded_count, UpdateFunction update) {
-  std::array<std::int32_t, kColumns> best{}, second{}, index{};
+  std::array<std::int32_t, kLanes> best{}, second{}, index{};
   index.fill(-1);
-  for (int j = 0; j < padded_count; j += kColumns) {
-    update(dots + j, kColumns, j, 1, best.data(), second.data(), index.data());
+  for (int j = 0; j < padded_count; j += kLanes) {
+    update(dots + j, kLanes, j, 1, best.data(), second.data(), index.data());
   }
   BestTwo result;
-  for (std::size_t lane = 0; lane < kColumns; ++lane) {
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
     const bool wins = best[lane] > result.best ||
                       (best[lane] == result.best && index[lane] >= 0 && index[lane] < result.index);
     if (wins) {
@@ -174,18 +248,31 @@ BestTwo BestOfRow(const std::int32_t* dots, int padded_count, UpdateFunction upd
   return result;
 }
 
-struct Functions {
+// One way to compute the products, and the layout that it reads.
+struct Kernel {
+  int row_words, columns, column_words;
+  std::vector<Word> (*pack_rows)(const DescriptorView&);
+  std::vector<Word> (*pack_columns)(const DescriptorView&);
   BlockKernel block;
   UpdateFunction update;
 };
 
-Functions FunctionsFor(CpuPath path) {
+Kernel KernelFor(CpuPath path) {
+  Kernel kernel = {kPairWords,      kPairColumns,  kPairWords,    PackPairRows,
+                   PackPairColumns, BlockPortable, UpdatePortable};
 #if defined(__x86_64__)
-  if (path == CpuPath::kAvx2) return {BlockAvx2, UpdateAvx2};
-  if (path == CpuPath::kSse2) return {BlockSse2, UpdatePortable};
+  if (path == CpuPath::kSse2) kernel.block = BlockSse2;
+  if (path == CpuPath::kAvx2) {
+    kernel.block = BlockAvx2;
+    kernel.update = UpdateAvx2;
+  }
+  if (path == CpuPath::kAvx512Vnni) {
+    return {kQuadWords + 1,  kQuadColumns, kQuadWords,  PackQuadRows,
+            PackQuadColumns, BlockVnni,    UpdateAvx512};
+  }
 #endif
   (void)path;
-  return {BlockPortable, UpdatePortable};
+  return kernel;
 }
 
 }  // namespace
@@ -195,31 +282,34 @@ std::vector<CpuPath> AvailableCpuPaths() {
 #if defined(__x86_64__)
   paths.push_back(CpuPath::kSse2);  // part of every x86-64
   if (__builtin_cpu_supports("avx2")) paths.push_back(CpuPath::kAvx2);
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vnni")) {
+    paths.push_back(CpuPath::kAvx512Vnni);
+  }
 #endif
   return paths;
 }
 
 BestTwoBothWays FindBestTwo(const DescriptorView& first, const DescriptorView& second,
                             CpuPath path) {
-  const Functions functions = FunctionsFor(path);
-  const std::vector<Word> rows = PackRows(first);
-  const std::vector<Word> columns = PackColumns(second);
-  const int padded = RoundUp(second.count, kColumns);
+  const Kernel kernel = KernelFor(path);
+  const std::vector<Word> rows = kernel.pack_rows(first);
+  const std::vector<Word> columns = kernel.pack_columns(second);
+  const int padded = RoundUp(second.count, kernel.columns);
   std::vector<std::int32_t> dots(static_cast<std::size_t>(padded) * kRows);
   BestTwoArrays of_second(padded);
   BestTwoBothWays result;
   result.of_first.resize(static_cast<std::size_t>(first.count));
   for (int i = 0; i < first.count; i += kRows) {
-    const Word* row_block = rows.data() + static_cast<std::ptrdiff_t>(i) * kNumWords;
-    for (int j = 0; j < padded; j += kColumns) {
-      functions.block(row_block, columns.data() + static_cast<std::ptrdiff_t>(j) * kNumWords,
-                      dots.data() + j, padded);
+    const Word* row_block = rows.data() + static_cast<std::ptrdiff_t>(i) * kernel.row_words;
+    for (int j = 0; j < padded; j += kernel.columns) {
+      kernel.block(row_block, columns.data() + static_cast<std::ptrdiff_t>(j) * kernel.column_words,
+                   dots.data() + j, padded);
     }
     for (int r = 0; r < std::min(kRows, first.count - i); ++r) {
       const std::int32_t* row = dots.data() + static_cast<std::ptrdiff_t>(r) * padded;
-      functions.update(row, padded, i + r, 0, of_second.best.data(), of_second.second.data(),
-                       of_second.index.data());
-      result.of_first[static_cast<std::size_t>(i + r)] = BestOfRow(row, padded, functions.update);
+      kernel.update(row, padded, i + r, 0, of_second.best.data(), of_second.second.data(),
+                    of_second.index.data());
+      result.of_first[static_cast<std::size_t>(i + r)] = BestOfRow(row, padded, kernel.update);
     }
   }
   result.of_second.resize(static_cast<std::size_t>(second.count));

@@ -17,7 +17,7 @@ struct BestTwo {
   bool operator==(const BestTwo&) const = default;
 };
 
-enum class CpuPath { kPortable, kSse2, kAvx2 };
+enum class CpuPath { kPortable, kSse2, kAvx2, kAvx512Vnni };
 // What this processor can run, the fastest last. All paths give identical results.
 std::vector<CpuPath> AvailableCpuPaths();
 
@@ -27,5 +27,10 @@ struct BestTwoBothWays {
 };
 BestTwoBothWays FindBestTwo(const DescriptorView& first, const DescriptorView& second,
                             CpuPath path);
+
+// MatchDescriptors, which takes the fastest path, on a given one.
+std::vector<KeypointMatch> MatchDescriptorsOn(CpuPath path, const DescriptorView& first,
+                                              const DescriptorView& second,
+                                              const MatchingOptions& options);
 
 }  // namespace colmap_ext

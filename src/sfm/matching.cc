@@ -50,8 +50,14 @@ void BindOptions(OptionSet& set, MatchingOptions* options) {
 std::vector<KeypointMatch> MatchDescriptors(const DescriptorView& first,
                                             const DescriptorView& second,
                                             const MatchingOptions& options) {
+  return MatchDescriptorsOn(AvailableCpuPaths().back(), first, second, options);
+}
+
+std::vector<KeypointMatch> MatchDescriptorsOn(CpuPath path, const DescriptorView& first,
+                                              const DescriptorView& second,
+                                              const MatchingOptions& options) {
   ThrowIfInvalid(options.Check());
-  const BestTwoBothWays best = FindBestTwo(first, second, AvailableCpuPaths().back());
+  const BestTwoBothWays best = FindBestTwo(first, second, path);
   std::vector<KeypointMatch> matches;
   for (std::size_t i = 0; i < best.of_first.size(); ++i) {
     const std::int32_t j = AcceptedMatch(best.of_first[i], options);

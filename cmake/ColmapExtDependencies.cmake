@@ -15,6 +15,11 @@ find_package(exiv2 REQUIRED)
 list(APPEND CMAKE_MODULE_PATH /usr/share/cmake/geographiclib)
 find_package(GeographicLib REQUIRED)
 
+# Debian's FLANN has no CMake package; its headers need LZ4.
+find_path(FLANN_INCLUDE_DIR flann/flann.hpp REQUIRED)
+find_library(FLANN_LIBRARY flann_cpp REQUIRED)
+find_library(LZ4_LIBRARY lz4 REQUIRED)
+
 # Debian 12 has Embree 3, Debian 13 has Embree 4: the headers and a few names differ.
 find_package(embree 4 QUIET)
 if(embree_FOUND)

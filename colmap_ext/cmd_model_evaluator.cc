@@ -85,9 +85,9 @@ std::string Format(const char* format, double value) {
 }
 
 void PrintResult(const EvaluationResult& result, const ModelAlignment& alignment) {
-  std::cout << "mean error       " << Format("%8.1f mm", 1000 * result.mean_error_m)
-            << "\nRMS error        " << Format("%8.1f mm", 1000 * result.rms_error_m)
-            << "\nmedian error     " << Format("%8.1f mm", 1000 * result.median_error_m)
+  std::cout << "mean error       " << Format("%8.1f mm", 1000 * result.errors.mean_m)
+            << "\nRMS error        " << Format("%8.1f mm", 1000 * result.errors.rms_m)
+            << "\nmedian error     " << Format("%8.1f mm", 1000 * result.errors.median_m)
             << "\nscale            " << Format("%12.6f", alignment.truth_from_model.scale)
             << "\nsamples          "
             << Format("%8.0f", static_cast<double>(result.truth_samples.size()))
@@ -105,7 +105,7 @@ void WriteErrorPictures(const TriangleMesh& aligned, const TriangleMesh& truth,
                         const Paths& paths) {
   const double max_error_m = 2 * options.ThresholdsM().back();
   if (!paths.error_mesh.empty()) {
-    WriteMesh(aligned, ErrorColors(DistancesToSurface(aligned.vertices, truth), max_error_m),
+    WriteMesh(aligned, ErrorColors(DistancesTo(truth, aligned.vertices), max_error_m),
               paths.error_mesh);
   }
   if (!paths.error_cloud.empty()) {

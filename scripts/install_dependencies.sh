@@ -7,7 +7,7 @@ packages=(
   build-essential cmake ninja-build
   colmap
   libassimp-dev libboost-program-options-dev libceres-dev libcgal-dev libeigen3-dev libembree-dev
-  libexiv2-dev libgeographiclib-dev libopen3d-dev libopencv-dev libsqlite3-dev libtbb-dev
+  libexiv2-dev libflann-dev libgeographiclib-dev libopen3d-dev libopencv-dev libsqlite3-dev libtbb-dev
   nlohmann-json3-dev
 )
 if [[ "${1:-}" == "--tests" ]]; then

@@ -7,8 +7,9 @@
 #include <cmath>
 #include <limits>
 
-#include "colmap_ext/geom/closest_point.h"
 #include "colmap_ext/util/error.h"
+#include "nearest.h"
+#include "samples.h"
 
 namespace colmap_ext {
 namespace {
@@ -44,10 +45,9 @@ class Icp {
   Icp(const TriangleMesh& model, const TriangleMesh& truth, const IcpOptions& options)
       : options_(options),
         samples_(
-            SampleUniformly(truth, static_cast<std::size_t>(options.num_samples), options.seed)),
-        index_(model.faces.empty() ? ClosestPointIndex::OfPoints(model.vertices)
-                                   : ClosestPointIndex::OfSurface(model)) {
-    if (index_.NumPrimitives() == 0) throw Error("ICP: the model is empty");
+            SamplesWithNormals(truth, static_cast<std::size_t>(options.num_samples), options.seed)),
+        finder_(model, false) {
+    if (model.vertices.empty()) throw Error("ICP: the model is empty");
     if (samples_.empty()) throw Error("ICP: the ground truth has no surface");
     size_m_ = BoundsOf(truth).diagonal().norm();
   }
@@ -62,7 +62,7 @@ class Icp {
     std::vector<Correspondence> all(samples_.size());
     tbb::parallel_for(std::size_t{0}, samples_.size(), [&](std::size_t i) {
       const SurfaceSample& sample = samples_[i];
-      const auto found = index_.Find(model_from_truth * sample.position, max_in_model);
+      const auto found = finder_.Find(model_from_truth * sample.position, max_in_model);
       if (!found) return;
       all[i] = {truth_from_model * found->position, sample.position, sample.normal,
                 found->distance * truth_from_model.scale};
@@ -145,7 +145,7 @@ class Icp {
 
   IcpOptions options_;
   std::vector<SurfaceSample> samples_;
-  ClosestPointIndex index_;
+  NearestFinder finder_;
   double size_m_ = 0;  // diagonal of the truth
 };
 

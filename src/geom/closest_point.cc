@@ -1,7 +1,6 @@
 #include "colmap_ext/geom/closest_point.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -42,35 +41,25 @@ Eigen::Vector3d ClosestPointOnTriangle(const Eigen::Vector3d& query, const Eigen
   return best;
 }
 
-ClosestPointIndex ClosestPointIndex::OfSurface(const TriangleMesh& mesh) {
-  if (mesh.faces.empty()) return ClosestPointIndex({}, {});
-  return ClosestPointIndex(mesh.vertices, mesh.faces);
-}
-
-ClosestPointIndex ClosestPointIndex::OfPoints(const std::vector<Eigen::Vector3d>& points) {
-  return ClosestPointIndex(points, {});
-}
-
-ClosestPointIndex::ClosestPointIndex(std::vector<Eigen::Vector3d> vertices,
-                                     std::vector<Eigen::Vector3i> faces)
-    : vertices_(std::move(vertices)), faces_(std::move(faces)) {
-  const std::size_t count = faces_.empty() ? vertices_.size() : faces_.size();
+ClosestPointIndex::ClosestPointIndex(const TriangleMesh& mesh) : mesh_(mesh) {
+  const std::size_t count = mesh_.faces.size();
   if (count == 0) return;
   order_.resize(count);
   std::iota(order_.begin(), order_.end(), 0);
-  std::vector<Eigen::Vector3d> centroids = vertices_;
-  if (!faces_.empty()) {
-    centroids.resize(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      const Eigen::Vector3i& face = faces_[i];
-      centroids[i] = (vertices_[static_cast<std::size_t>(face[0])] +
-                      vertices_[static_cast<std::size_t>(face[1])] +
-                      vertices_[static_cast<std::size_t>(face[2])]) /
-                     3.0;
-    }
+  std::vector<Eigen::Vector3d> centroids(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto corners = Corners(static_cast<int>(i));
+    centroids[i] = (corners[0] + corners[1] + corners[2]) / 3.0;
   }
   nodes_.reserve(2 * count / kLeafSize + 1);
   Build(&centroids, 0, static_cast<int>(count));
+}
+
+std::array<Eigen::Vector3d, 3> ClosestPointIndex::Corners(int face) const {
+  const Eigen::Vector3i& corners = mesh_.faces[static_cast<std::size_t>(face)];
+  return {mesh_.vertices[static_cast<std::size_t>(corners[0])],
+          mesh_.vertices[static_cast<std::size_t>(corners[1])],
+          mesh_.vertices[static_cast<std::size_t>(corners[2])]};
 }
 
 void ClosestPointIndex::Build(std::vector<Eigen::Vector3d>* centroids, int begin, int end) {
@@ -79,15 +68,9 @@ void ClosestPointIndex::Build(std::vector<Eigen::Vector3d>* centroids, int begin
   Eigen::AlignedBox3d box;
   Eigen::AlignedBox3d centroid_box;
   for (int i = begin; i < end; ++i) {
-    const auto primitive = static_cast<std::size_t>(order_[static_cast<std::size_t>(i)]);
-    centroid_box.extend((*centroids)[primitive]);
-    if (faces_.empty()) {
-      box.extend(vertices_[primitive]);
-    } else {
-      for (int k = 0; k < 3; ++k) {
-        box.extend(vertices_[static_cast<std::size_t>(faces_[primitive][k])]);
-      }
-    }
+    const int face = order_[static_cast<std::size_t>(i)];
+    centroid_box.extend((*centroids)[static_cast<std::size_t>(face)]);
+    for (const Eigen::Vector3d& corner : Corners(face)) box.extend(corner);
   }
   nodes_[index].box = box;
   if (end - begin <= kLeafSize) {
@@ -109,16 +92,6 @@ void ClosestPointIndex::Build(std::vector<Eigen::Vector3d>* centroids, int begin
   Build(centroids, middle, end);
 }
 
-Eigen::Vector3d ClosestPointIndex::ClosestOnPrimitive(int primitive,
-                                                      const Eigen::Vector3d& query) const {
-  const auto i = static_cast<std::size_t>(primitive);
-  if (faces_.empty()) return vertices_[i];
-  const Eigen::Vector3i& face = faces_[i];
-  return ClosestPointOnTriangle(query, vertices_[static_cast<std::size_t>(face[0])],
-                                vertices_[static_cast<std::size_t>(face[1])],
-                                vertices_[static_cast<std::size_t>(face[2])]);
-}
-
 std::optional<ClosestPoint> ClosestPointIndex::Find(const Eigen::Vector3d& query,
                                                     double max_distance) const {
   if (nodes_.empty()) return std::nullopt;
@@ -136,13 +109,15 @@ std::optional<ClosestPoint> ClosestPointIndex::Find(const Eigen::Vector3d& query
     if (entry.distance2 >= best2) continue;
     const Node& node = nodes_[entry.node];
     for (int i = node.first; i < node.first + node.count; ++i) {
-      const int primitive = order_[static_cast<std::size_t>(i)];
-      const Eigen::Vector3d position = ClosestOnPrimitive(primitive, query);
+      const int face = order_[static_cast<std::size_t>(i)];
+      const auto corners = Corners(face);
+      const Eigen::Vector3d position =
+          ClosestPointOnTriangle(query, corners[0], corners[1], corners[2]);
       const double distance2 = (position - query).squaredNorm();
       if (distance2 < best2) {
         best2 = distance2;
         best.position = position;
-        best.primitive = primitive;
+        best.face = face;
       }
     }
     if (node.count > 0) continue;
@@ -153,7 +128,7 @@ std::optional<ClosestPoint> ClosestPointIndex::Find(const Eigen::Vector3d& query
     stack[depth++] = far;
     stack[depth++] = near;
   }
-  if (best.primitive < 0) return std::nullopt;
+  if (best.face < 0) return std::nullopt;
   best.distance = std::sqrt(best2);
   return best;
 }

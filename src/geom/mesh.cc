@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 #include <unordered_map>
 
@@ -159,20 +160,32 @@ std::vector<SurfaceSample> SamplePoissonDisk(const TriangleMesh& mesh, double ra
   const double wanted = kCandidatesPerDisk * 0.7 * area / (radius_m * radius_m);
   constexpr double kMaxCandidates = 2e8;
   if (wanted > kMaxCandidates) throw Error("Poisson-disk sampling: the radius is too small");
-  std::vector<SurfaceSample> candidates =
+  const std::vector<SurfaceSample> candidates =
       SampleFaces(mesh, static_cast<std::size_t>(std::ceil(wanted)), seed, face_mask);
-  std::mt19937_64 random(seed ^ 0x9e3779b97f4a7c15ULL);
-  for (std::size_t i = candidates.size(); i > 1; --i) {
-    std::swap(candidates[i - 1], candidates[random() % i]);
-  }
-  PointGrid grid(radius_m);
+  std::vector<Eigen::Vector3d> positions;
+  positions.reserve(candidates.size());
+  for (const SurfaceSample& candidate : candidates) positions.push_back(candidate.position);
   std::vector<SurfaceSample> samples;
-  for (const SurfaceSample& candidate : candidates) {
-    if (grid.HasNeighbor(candidate.position)) continue;
-    grid.Insert(candidate.position);
-    samples.push_back(candidate);
+  for (const std::size_t i : ThinPoints(positions, radius_m, seed ^ 0x9e3779b97f4a7c15ULL)) {
+    samples.push_back(candidates[i]);
   }
   return samples;
+}
+
+std::vector<std::size_t> ThinPoints(const std::vector<Eigen::Vector3d>& points, double radius_m,
+                                    std::uint64_t seed) {
+  std::vector<std::size_t> order(points.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::mt19937_64 random(seed);
+  for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
+  PointGrid grid(radius_m);
+  std::vector<std::size_t> kept;
+  for (const std::size_t i : order) {
+    if (grid.HasNeighbor(points[i])) continue;
+    grid.Insert(points[i]);
+    kept.push_back(i);
+  }
+  return kept;
 }
 
 }  // namespace colmap_ext

@@ -8,7 +8,7 @@
 #include <limits>
 #include <map>
 
-#include "colmap_ext/geom/closest_point.h"
+#include "colmap_ext/geom/point_index.h"
 #include "colmap_ext/report/picture_overlay.h"
 
 namespace colmap_ext {
@@ -59,7 +59,7 @@ std::vector<Eigen::Vector3d> BulkOf(const TriangleMesh& mesh) {
 class ClassLookup {
  public:
   ClassLookup(const TriangleMesh& mesh, const CoverageMap& map)
-      : map_(map), index_(ClosestPointIndex::OfPoints(Positions(map))) {
+      : map_(map), index_(Positions(map)) {
     // Iso-points are Poisson-disk samples: one is never much further than the radius of two disks.
     if (map.disk_area_m2 > 0) reach_ = 4 * std::sqrt(map.disk_area_m2 / M_PI);
     std::vector<int> class_of_vertex(mesh.vertices.size());
@@ -98,13 +98,13 @@ class ClassLookup {
   }
 
   int Find(const Eigen::Vector3d& position) const {
-    const auto nearest = index_.Find(position, reach_);
+    const auto nearest = index_.Nearest(position, reach_);
     if (!nearest) return kNone;
-    return static_cast<int>(map_.points[static_cast<std::size_t>(nearest->primitive)].coverage);
+    return static_cast<int>(map_.points[static_cast<std::size_t>(nearest->index)].coverage);
   }
 
   const CoverageMap& map_;
-  ClosestPointIndex index_;
+  PointIndex index_;
   double reach_ = std::numeric_limits<double>::infinity();
   std::vector<int> class_of_face_;
 };

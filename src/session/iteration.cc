@@ -201,8 +201,8 @@ void Evaluate(const IterationContext& context, const Work& work, IterationSummar
                     context.truth->model, options, job);
   WriteFileAtomically(work.files.folder / "evaluation.json",
                       EvaluationToJson(result, alignment, options));
-  summary->mean_error_m = result.mean_error_m;
-  summary->rms_error_m = result.rms_error_m;
+  summary->mean_error_m = result.errors.mean_m;
+  summary->rms_error_m = result.errors.rms_m;
   for (const ThresholdScore& score : result.scores) {
     summary->completeness.push_back({ThresholdKey(score.threshold_m), score.completeness});
   }

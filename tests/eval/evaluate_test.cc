@@ -25,7 +25,7 @@ EvaluationOptions FineOptions() {
 
 TEST(EvaluateModel, TruthAgainstItselfIsPerfect) {
   const EvaluationResult result = EvaluateModel(House(), House(), {}, {});
-  EXPECT_LT(result.rms_error_m, 1e-12);
+  EXPECT_LT(result.errors.rms_m, 1e-12);
   ASSERT_EQ(result.scores.size(), 2u);
   for (const ThresholdScore& score : result.scores) {
     EXPECT_EQ(score.completeness, 1.0);
@@ -36,9 +36,9 @@ TEST(EvaluateModel, TruthAgainstItselfIsPerfect) {
 
 TEST(EvaluateModel, KnownOffsetGivesThatError) {
   const EvaluationResult result = EvaluateModel(Plane(3, 1, 0.03), Plane(3, 1), {}, {});
-  EXPECT_NEAR(result.mean_error_m, 0.03, 1e-12);
-  EXPECT_NEAR(result.rms_error_m, 0.03, 1e-12);
-  EXPECT_NEAR(result.median_error_m, 0.03, 1e-12);
+  EXPECT_NEAR(result.errors.mean_m, 0.03, 1e-12);
+  EXPECT_NEAR(result.errors.rms_m, 0.03, 1e-12);
+  EXPECT_NEAR(result.errors.median_m, 0.03, 1e-12);
   EXPECT_EQ(result.scores[0].completeness, 0.0);  // 25.4 mm
   EXPECT_EQ(result.scores[0].f_score, 0.0);
   EXPECT_EQ(result.scores[1].completeness, 1.0);  // 50.8 mm
@@ -62,7 +62,7 @@ TEST(EvaluateModel, HoleOfKnownAreaGivesExpectedCompleteness) {
     EXPECT_EQ(score.accuracy, 1.0);
   }
   // Mean distance to the border of a unit square is 1/6, over 1/16 of the area.
-  EXPECT_NEAR(result.mean_error_m, 1.0 / 6 / 16, 0.0005);
+  EXPECT_NEAR(result.errors.mean_m, 1.0 / 6 / 16, 0.0005);
 }
 
 TEST(EvaluateModel, CapLimitsWhatAHoleCosts) {
@@ -73,9 +73,9 @@ TEST(EvaluateModel, CapLimitsWhatAHoleCosts) {
   EvaluationOptions options = FineOptions();
   options.cap_m = 0.1;
   const EvaluationResult result = EvaluateModel(model, Plane(4, 2), options, {});
-  EXPECT_NEAR(result.mean_error_m, 0.5, 0.01);              // 0 … 2 m over half of the area
-  EXPECT_NEAR(result.capped_mean_error_m, 0.04875, 0.002);  // (0.05 · 0.1 + 0.1 · 1.9) / 4
-  EXPECT_LT(result.capped_rms_error_m, 0.1);
+  EXPECT_NEAR(result.errors.mean_m, 0.5, 0.01);              // 0 … 2 m over half of the area
+  EXPECT_NEAR(result.errors.capped_mean_m, 0.04875, 0.002);  // (0.05 · 0.1 + 0.1 · 1.9) / 4
+  EXPECT_LT(result.errors.capped_rms_m, 0.1);
 }
 
 TEST(EvaluateModel, VertexDistanceIsThePapers) {
@@ -84,11 +84,11 @@ TEST(EvaluateModel, VertexDistanceIsThePapers) {
   options.distance = "vertex";
   const EvaluationResult result = EvaluateModel(Plane(2, 4), Plane(2, 4), options, {});
   // Mean distance to the nearest corner of a square cell of side a: a · 0.3826.
-  EXPECT_NEAR(result.mean_error_m, 0.5 * 0.38260, 0.003);
+  EXPECT_NEAR(result.errors.mean_m, 0.5 * 0.38260, 0.003);
   TriangleMesh cloud = Plane(2, 4);
   cloud.faces.clear();
   const EvaluationResult from_cloud = EvaluateModel(cloud, Plane(2, 4), FineOptions(), {});
-  EXPECT_EQ(from_cloud.mean_error_m, result.mean_error_m);
+  EXPECT_EQ(from_cloud.errors.mean_m, result.errors.mean_m);
   EXPECT_EQ(from_cloud.scores[0].accuracy, 1.0);
 }
 
@@ -142,12 +142,17 @@ TEST(EvaluateModel, BadInput) {
 TEST(EvaluationOptions, CheckNamesTheField) {
   EvaluationOptions options;
   EXPECT_EQ(options.Check(), "");
-  options.thresholds_mm = "25.4;50.8";
-  EXPECT_NE(options.Check().find("thresholds_mm"), std::string::npos);
-  options.thresholds_mm = "10,-3";
+  options.thresholds = "25.4;50.8";
+  EXPECT_NE(options.Check().find("thresholds"), std::string::npos);
+  options.thresholds = "10,-3";
   EXPECT_NE(options.Check().find("-3"), std::string::npos);
-  options.thresholds_mm = "50, 10";
-  EXPECT_EQ(options.ThresholdsM(), (std::vector<double>{0.010, 0.050}));
+  options.thresholds = "50, 10 mm,3cm,0.2m";
+  EXPECT_EQ(options.ThresholdsM(), (std::vector<double>{0.010, 0.03, 0.050, 0.2}));
+  options.thresholds = "1in,2in";
+  EXPECT_EQ(options.ThresholdsM(), (std::vector<double>{0.0254, 0.0508}));
+  options.thresholds = "3 feet";
+  EXPECT_NE(options.Check().find("3 feet"), std::string::npos);
+  options.thresholds = "10";
   options.icp.trim = 0.95;
   EXPECT_NE(options.Check().find("icp_trim"), std::string::npos);
   options = {};
@@ -176,14 +181,14 @@ TEST(EvaluationToJson, HasTheDocumentedNames) {
   EXPECT_FALSE(json.at("alignment").contains("cameras"));
 }
 
-TEST(DistancesToSurface, KnownDistances) {
+TEST(DistancesTo, KnownDistances) {
   const std::vector<double> distances =
-      DistancesToSurface({{1, 1, 2}, {1, 1, -3}, {-3, -4, 0}}, Plane(2, 1));
+      DistancesTo(Plane(2, 1), {{1, 1, 2}, {1, 1, -3}, {-3, -4, 0}});
   ASSERT_EQ(distances.size(), 3u);
   EXPECT_NEAR(distances[0], 2, 1e-12);
   EXPECT_NEAR(distances[1], 3, 1e-12);
   EXPECT_NEAR(distances[2], 5, 1e-12);
-  EXPECT_THROW(DistancesToSurface({{0, 0, 0}}, {}), Error);
+  EXPECT_THROW(DistancesTo({}, {{0, 0, 0}}), Error);
 }
 
 TEST(AlignModel, WithoutIcpAndCamerasNothingMoves) {

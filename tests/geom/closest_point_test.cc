@@ -32,40 +32,30 @@ TEST(ClosestPointIndex, AgreesWithExhaustiveSearch) {
     for (int k = 0; k < 3; ++k) mesh.vertices.push_back(anchor + RandomPoint(&random, 1));
     mesh.faces.emplace_back(first, first + 1, first + 2);
   }
-  const auto surface = ClosestPointIndex::OfSurface(mesh);
-  const auto points = ClosestPointIndex::OfPoints(mesh.vertices);
+  const ClosestPointIndex surface(mesh);
   for (int i = 0; i < 500; ++i) {
     const Eigen::Vector3d query = RandomPoint(&random, 8);
-    double nearest_surface = 1e30, nearest_vertex = 1e30;
+    double nearest_surface = 1e30;
     for (const Eigen::Vector3i& face : mesh.faces) {
       const auto corner = [&](int k) { return mesh.vertices[static_cast<std::size_t>(face[k])]; };
       const Eigen::Vector3d closest =
           ClosestPointOnTriangle(query, corner(0), corner(1), corner(2));
       nearest_surface = std::min(nearest_surface, (closest - query).norm());
     }
-    for (const auto& vertex : mesh.vertices) {
-      nearest_vertex = std::min(nearest_vertex, (vertex - query).norm());
-    }
     const auto on_surface = surface.Find(query);
     ASSERT_TRUE(on_surface);
     EXPECT_NEAR(on_surface->distance, nearest_surface, 1e-12);
     EXPECT_NEAR((on_surface->position - query).norm(), nearest_surface, 1e-12);
-    EXPECT_NEAR(points.Find(query)->distance, nearest_vertex, 1e-12);
     EXPECT_FALSE(surface.Find(query, 0.999 * nearest_surface));
     EXPECT_TRUE(surface.Find(query, 1.001 * nearest_surface));
   }
 }
 
 TEST(ClosestPointIndex, NothingInNothing) {
-  EXPECT_FALSE(ClosestPointIndex::OfSurface({}).Find({0, 0, 0}));
-  EXPECT_FALSE(ClosestPointIndex::OfPoints({}).Find({0, 0, 0}));
-}
-
-TEST(ClosestPointIndex, ManyEqualPoints) {
-  const std::vector<Eigen::Vector3d> points(1000, Eigen::Vector3d(1, 2, 3));
-  const auto found = ClosestPointIndex::OfPoints(points).Find({1, 2, 5});
-  ASSERT_TRUE(found);
-  EXPECT_EQ(found->distance, 2.0);
+  EXPECT_FALSE(ClosestPointIndex(TriangleMesh()).Find({0, 0, 0}));
+  TriangleMesh cloud;
+  cloud.vertices.emplace_back(1, 2, 3);
+  EXPECT_FALSE(ClosestPointIndex(cloud).Find({0, 0, 0}));
 }
 
 }  // namespace

@@ -42,4 +42,9 @@ std::vector<SurfaceSample> SamplePoissonDisk(const TriangleMesh& mesh, double ra
                                              std::uint64_t seed,
                                              const std::vector<bool>& face_mask = {});
 
+// Points in random order, each kept when no kept one is nearer than `radius_m`: indices of the kept
+// ones. Same input, same output.
+std::vector<std::size_t> ThinPoints(const std::vector<Eigen::Vector3d>& points, double radius_m,
+                                    std::uint64_t seed);
+
 }  // namespace colmap_ext

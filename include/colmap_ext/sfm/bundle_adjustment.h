@@ -18,7 +18,7 @@ struct BundleOptions {
   // Error of a keypoint, one sigma: what reprojection errors are divided by before they are weighed
   // against priors; px, > 0. Keypoints of one facade err together, hence more than the residuals.
   double keypoint_sigma_px = 1;
-  double loss_scale_px = 1;  // where the soft L1 loss turns linear; px, >= 0, 0: squares
+  double loss_scale_px = 0.5;  // where the soft L1 loss turns linear; px, >= 0, 0: squares
   // Where the Cauchy loss starts to discount a prior; in sigmas of the prior, > 0.
   double prior_loss_scale = 2;
   // What is estimated of the cameras; the photos of a camera share it.

@@ -111,9 +111,9 @@ Eigen::Matrix<double, Rows, Cols> FixedMatrixFrom(const SqliteStatement& stateme
 }
 
 TwoViewConfig ConfigFrom(const SqliteStatement& statement, int column) {
-  return static_cast<TwoViewConfig>(statement.Integer(column,
-                                                      static_cast<int>(TwoViewConfig::kUndefined),
-                                                      static_cast<int>(TwoViewConfig::kMultiple)));
+  return static_cast<TwoViewConfig>(
+      statement.Integer(column, static_cast<int>(TwoViewConfig::kUndefined),
+                        static_cast<int>(TwoViewConfig::kCalibratedRig)));
 }
 
 std::optional<PositionPrior> PriorFromColumns(const SqliteStatement& statement, int first_column) {
@@ -214,6 +214,7 @@ void Database::Copy(const fs::path& from, const fs::path& to) {
 
 const fs::path& Database::path() const { return impl_->connection.path(); }
 int Database::user_version() const { return impl_->schema.user_version; }
+bool Database::has_frames() const { return impl_->schema.has_frames; }
 
 std::map<CameraId, DatabaseCamera> Database::ReadCameras() const {
   SqliteStatement statement(
@@ -275,6 +276,14 @@ std::optional<ImageId> Database::FindImage(const std::string& name) const {
   statement.Bind(name);
   if (!statement.Step()) return std::nullopt;
   return static_cast<ImageId>(statement.Integer(0, 0, kMaxImageId));
+}
+
+FrameTable Database::ReadFrameTable() const {
+  if (!impl_->schema.has_frames) return {};
+  FrameTable table = ReadFrameTableRows(impl_->connection);
+  const std::string problem = ProblemOf(table);
+  if (!problem.empty()) impl_->connection.FailWith(problem + "; the database is corrupt");
+  return table;
 }
 
 std::map<ImageId, std::size_t> Database::NumKeypoints() const {
@@ -362,10 +371,11 @@ std::optional<TwoViewGeometry> Database::ReadTwoViewGeometry(const ImagePair& pa
   geometry.E = FixedMatrixFrom<3, 3>(statement, 5, what);
   geometry.H = FixedMatrixFrom<3, 3>(statement, 6, what);
   const Eigen::Vector4d q = FixedMatrixFrom<4, 1>(statement, 7, what);
-  if (q.norm() > 0.5) {  // zero: COLMAP did not estimate the pose
-    Rigid3d& pose = geometry.cam2_from_cam1.emplace();
-    pose.rotation = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized();
-    pose.translation = FixedMatrixFrom<3, 1>(statement, 8, what);
+  const Eigen::Vector3d t = FixedMatrixFrom<3, 1>(statement, 8, what);
+  // Zero (3.8) or the identity (3.9 and later): COLMAP did not estimate the pose.
+  const bool is_identity = q == Eigen::Vector4d::UnitX() && t.isZero(0);
+  if (q.norm() > 0.5 && !is_identity) {
+    geometry.cam2_from_cam1 = Rigid3d{Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(), t};
   }
   if (IsSwapped(pair)) InvertGeometry(&geometry);
   return geometry;

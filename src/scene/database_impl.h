@@ -19,6 +19,9 @@ struct Database::Impl {
   DatabaseSchema schema;
 };
 
+// What the tables of rigs and frames hold, not yet checked.
+FrameTable ReadFrameTableRows(const SqliteConnection& connection);
+
 // The database's own order of a pair is smaller id first.
 inline bool IsSwapped(const ImagePair& pair) { return pair.first > pair.second; }
 void SwapMatches(std::vector<KeypointMatch>* matches);

@@ -1,5 +1,6 @@
 #include "scene/database_schema.h"
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <limits>
@@ -30,6 +31,26 @@ const std::vector<RequiredTable>& RequiredTables() {
   return tables;
 }
 
+// What a database with frames has besides.
+const std::vector<RequiredTable>& FrameTables() {
+  static const std::vector<RequiredTable> tables = {
+      {"rigs", {"rig_id", "ref_sensor_id", "ref_sensor_type"}},
+      {"rig_sensors", {"rig_id", "sensor_id", "sensor_type", "sensor_from_rig"}},
+      {"frames", {"frame_id", "rig_id"}},
+      {"frame_data", {"frame_id", "data_id", "sensor_id", "sensor_type"}},
+  };
+  return tables;
+}
+
+// Columns that some versions have and that we fill or may leave empty.
+const std::set<std::string>& OptionalColumns() {
+  static const std::set<std::string> columns = {
+      "descriptors.type",         "pose_priors.image_id",         "pose_priors.pose_prior_id",
+      "pose_priors.corr_data_id", "pose_priors.corr_sensor_id",   "pose_priors.corr_sensor_type",
+      "pose_priors.position",     "pose_priors.coordinate_system"};
+  return columns;
+}
+
 // Empty when there is no such table.
 std::set<std::string> ColumnsOf(const SqliteConnection& connection, const std::string& table) {
   SqliteStatement statement(connection, "SELECT name FROM pragma_table_info(?)",
@@ -38,6 +59,36 @@ std::set<std::string> ColumnsOf(const SqliteConnection& connection, const std::s
   std::set<std::string> columns;
   while (statement.Step()) columns.insert(statement.Text(0));
   return columns;
+}
+
+// The first column of `table` that an insertion must fill, and that is none of `known`.
+std::string UnknownColumn(const SqliteConnection& connection, const std::string& table,
+                          const std::vector<const char*>& known) {
+  SqliteStatement statement(connection,
+                            "SELECT name FROM pragma_table_info(?) WHERE \"notnull\" AND "
+                            "dflt_value IS NULL",
+                            "read the database's tables");
+  statement.Bind(table);
+  while (statement.Step()) {
+    const std::string name = statement.Text(0);
+    const bool is_known = std::find(known.begin(), known.end(), name) != known.end() ||
+                          OptionalColumns().contains(table + "." + name);
+    if (!is_known) return table + "." + name;
+  }
+  return "";
+}
+
+void RequireColumns(const SqliteConnection& connection, const RequiredTable& table) {
+  const std::set<std::string> columns = ColumnsOf(connection, table.name);
+  if (columns.empty()) {
+    connection.FailWith(std::string("is no COLMAP database (it has no table '") + table.name +
+                        "'); give the database that `colmap feature_extractor` wrote");
+  }
+  for (const char* column : table.columns) {
+    if (columns.contains(column)) continue;
+    connection.FailWith(std::string("its table '") + table.name + "' has no column '" + column +
+                        "'; it is of a version of COLMAP that is not supported, or damaged");
+  }
 }
 
 PriorLayout DetectPriorLayout(const SqliteConnection& connection) {
@@ -60,9 +111,9 @@ std::string ColumnOrNull(const std::set<std::string>& columns, const std::string
 
 std::string DatabaseSchema::WhyNotEditable() const {
   const std::string version = " (user_version " + std::to_string(user_version) + ")";
-  if (has_frames) {
-    return "is of COLMAP 4.x" + version +
-           ", whose photos belong to rigs and frames; add to it with that COLMAP's own commands";
+  if (!unknown_column.empty()) {
+    return "is of a version of COLMAP that is not known here" + version + ": its column '" +
+           unknown_column + "' must be filled; add to it with that COLMAP's own commands";
   }
   for (const std::string* column : {&f_column, &e_column, &h_column, &qvec_column, &tvec_column}) {
     if (*column == "NULL") {
@@ -117,27 +168,34 @@ void CheckSqliteFile(const std::filesystem::path& path) {
 }
 
 DatabaseSchema DetectSchema(const SqliteConnection& connection) {
-  for (const RequiredTable& table : RequiredTables()) {
-    const std::set<std::string> columns = ColumnsOf(connection, table.name);
-    if (columns.empty()) {
-      connection.FailWith(std::string("is no COLMAP database (it has no table '") + table.name +
-                          "'); give the database that `colmap feature_extractor` wrote");
-    }
-    for (const char* column : table.columns) {
-      if (columns.contains(column)) continue;
-      connection.FailWith(std::string("its table '") + table.name + "' has no column '" + column +
-                          "'; it is of a version of COLMAP that is not supported, or damaged");
+  DatabaseSchema schema;
+  schema.has_frames = !ColumnsOf(connection, "frames").empty();
+  std::vector<RequiredTable> tables = RequiredTables();
+  if (schema.has_frames) tables.insert(tables.end(), FrameTables().begin(), FrameTables().end());
+  for (const RequiredTable& table : tables) {
+    RequireColumns(connection, table);
+    if (schema.unknown_column.empty()) {
+      schema.unknown_column = UnknownColumn(connection, table.name, table.columns);
     }
   }
-  DatabaseSchema schema;
+  if (schema.unknown_column.empty()) {
+    schema.unknown_column = UnknownColumn(connection, "pose_priors", {});
+  }
   SqliteStatement version(connection, "PRAGMA user_version", "read the database's version");
   if (version.Step()) {
     schema.user_version = static_cast<int>(version.Integer(
         0, std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max()));
   }
   schema.prior_layout = DetectPriorLayout(connection);
-  schema.has_frames = !ColumnsOf(connection, "frames").empty();
+  const std::set<std::string> priors = ColumnsOf(connection, "pose_priors");
+  schema.has_prior_covariance = priors.contains("position_covariance");
+  schema.has_prior_gravity = priors.contains("gravity");
+  schema.has_descriptor_type = ColumnsOf(connection, "descriptors").contains("type");
   const std::set<std::string> geometry = ColumnsOf(connection, "two_view_geometries");
+  if (schema.prior_layout != PriorLayout::kImageColumns) {
+    schema.unknown_geometry =
+        geometry.contains("camera1") ? UnknownGeometry::kNull : UnknownGeometry::kIdentity;
+  }
   schema.f_column = ColumnOrNull(geometry, "F");
   schema.e_column = ColumnOrNull(geometry, "E");
   schema.h_column = ColumnOrNull(geometry, "H");

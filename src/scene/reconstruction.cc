@@ -24,6 +24,7 @@ class Checker {
       }
     }
     for (const auto& [id, point] : model_.points) CheckPoint(id, point);
+    CheckFrames();
   }
 
  private:
@@ -109,6 +110,21 @@ class Checker {
     }
   }
 
+  void CheckFrames() const {
+    const std::string problem = ProblemOf(model_.frame_table);
+    if (!problem.empty()) Fail(problem);
+    for (const auto& [id, frame] : model_.frame_table.frames) {
+      for (const FrameData& data : frame.data) {
+        if (data.sensor.type != SensorType::kCamera) continue;
+        const auto image = model_.images.find(static_cast<ImageId>(data.id));
+        if (image == model_.images.end() || image->second.camera_id == data.sensor.id) continue;
+        Fail("frame " + std::to_string(id) + " has photo '" + image->second.name + "' of camera " +
+             std::to_string(data.sensor.id) + ", which is of camera " +
+             std::to_string(image->second.camera_id));
+      }
+    }
+  }
+
   const Reconstruction& model_;
   const std::string& where_;
   std::unordered_map<Point3DId, std::size_t> num_keypoints_of_point_;
@@ -125,6 +141,11 @@ void TransformReconstruction(const Sim3d& new_from_old, Reconstruction* reconstr
     image.cam_from_world = TransformCameraWorld(new_from_old, image.cam_from_world);
   }
   for (auto& [id, point] : reconstruction->points) point.position = new_from_old * point.position;
+  for (auto& [id, rig] : reconstruction->frame_table.rigs) {
+    for (auto& [sensor, sensor_from_rig] : rig.sensor_from_rig) {
+      if (sensor_from_rig) sensor_from_rig->translation *= new_from_old.scale;
+    }
+  }
 }
 
 }  // namespace colmap_ext

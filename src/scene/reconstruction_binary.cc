@@ -159,16 +159,6 @@ void WritePoints(const std::map<Point3DId, SparsePoint>& points, std::ostream& o
   }
 }
 
-// COLMAP 4.x takes poses from frames.bin when it is there: an old one would override ours.
-void RequireNoForeignFrames(const fs::path& folder) {
-  for (const char* name : {"rigs.bin", "frames.bin"}) {
-    if (fs::exists(folder / name)) {
-      throw Error((folder / name).string() +
-                  ": belongs to another model; write this one to a new folder");
-    }
-  }
-}
-
 }  // namespace
 
 Reconstruction ReadBinaryModel(const fs::path& folder) {
@@ -178,7 +168,8 @@ Reconstruction ReadBinaryModel(const fs::path& folder) {
 
 void WriteReconstructionBinary(const Reconstruction& reconstruction, const fs::path& folder) {
   CheckConsistency(reconstruction, "the model to be written to " + folder.string());
-  RequireNoForeignFrames(folder);
+  RequireNoForeignFrames(reconstruction, folder);
+  if (!reconstruction.frame_table.IsEmpty()) WriteBinaryFrameTable(reconstruction, folder);
   WriteFileAtomically(folder / "cameras.bin",
                       [&](std::ostream& out) { WriteCameras(reconstruction.cameras, out); });
   WriteFileAtomically(folder / "images.bin",

@@ -15,6 +15,16 @@ Eigen::Quaterniond RotationFromFile(double w, double x, double y, double z) {
   return Eigen::Quaterniond(q.coeffs() / norm);
 }
 
+void RequireNoForeignFrames(const Reconstruction& model, const std::filesystem::path& folder) {
+  if (!model.frame_table.IsEmpty()) return;
+  for (const char* name : {"rigs.bin", "frames.bin", "rigs.txt", "frames.txt"}) {
+    if (std::filesystem::exists(folder / name)) {
+      throw Error((folder / name).string() +
+                  ": belongs to another model; write this one to a new folder");
+    }
+  }
+}
+
 Reconstruction ReadReconstruction(const std::filesystem::path& folder) {
   if (!std::filesystem::is_directory(folder)) {
     throw Error(folder.string() + ": no such folder; give the folder of a sparse model");
@@ -27,6 +37,11 @@ Reconstruction ReadReconstruction(const std::filesystem::path& folder) {
   }
   Reconstruction reconstruction = is_binary ? ReadBinaryModel(folder) : ReadTextModel(folder);
   CheckConsistency(reconstruction, folder.string());
+  if (is_binary) {
+    ReadBinaryFrameTable(folder, &reconstruction);
+  } else {
+    ReadTextFrameTable(folder, &reconstruction);
+  }
   return reconstruction;
 }
 

@@ -124,16 +124,6 @@ std::map<Point3DId, SparsePoint> ReadPoints(const fs::path& path) {
   return points;
 }
 
-// Shortest digits that read back as the same double.
-struct Digits {
-  double value;
-};
-std::ostream& operator<<(std::ostream& out, const Digits& digits) {
-  char buffer[32];
-  const auto result = std::to_chars(buffer, buffer + sizeof(buffer), digits.value);
-  return out.write(buffer, result.ptr - buffer);
-}
-
 void WriteCameras(const std::map<CameraId, Camera>& cameras, std::ostream& out) {
   out << "# Camera list with one line of data per camera:\n"
          "#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n"
@@ -192,6 +182,12 @@ void WritePoints(const std::map<Point3DId, SparsePoint>& points, std::ostream& o
 
 }  // namespace
 
+std::ostream& operator<<(std::ostream& out, const Digits& digits) {
+  char buffer[32];
+  const auto result = std::to_chars(buffer, buffer + sizeof(buffer), digits.value);
+  return out.write(buffer, result.ptr - buffer);
+}
+
 Reconstruction ReadTextModel(const fs::path& folder) {
   return {ReadCameras(folder / "cameras.txt"), ReadImages(folder / "images.txt"),
           ReadPoints(folder / "points3D.txt")};
@@ -204,6 +200,8 @@ void WriteReconstructionText(const Reconstruction& reconstruction, const fs::pat
                 ": a binary model is there and would be read before the text; write the text to "
                 "another folder");
   }
+  RequireNoForeignFrames(reconstruction, folder);
+  if (!reconstruction.frame_table.IsEmpty()) WriteTextFrameTable(reconstruction, folder);
   WriteFileAtomically(folder / "cameras.txt",
                       [&](std::ostream& out) { WriteCameras(reconstruction.cameras, out); });
   WriteFileAtomically(folder / "images.txt",

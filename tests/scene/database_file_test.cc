@@ -127,56 +127,7 @@ TEST_P(DatabaseWithBadRow, IsAnErrorThatNamesFileAndRow) {
   EXPECT_EQ(message.find('\n'), std::string::npos);
 }
 
-// ---- Newer and older schemas.
-
-constexpr char kPosition[] = "x'0000000000804740000000000000204000000000000008C0'";  // 47, 8, -3
-
-TEST(DatabaseSchema, PriorsOfColmap310AreRead) {
-  TestFolder folder;
-  MakeDatabase(folder / "d.db");
-  RunSql(folder / "d.db",
-         "CREATE TABLE pose_priors(image_id INTEGER PRIMARY KEY NOT NULL, position BLOB, "
-         "coordinate_system INTEGER NOT NULL); PRAGMA user_version = 3900;"
-         "INSERT INTO pose_priors VALUES(5, " +
-             std::string(kPosition) + ", 0)");
-  Database database = Database::Open(folder / "d.db", Access::kReadWrite);
-  EXPECT_EQ(database.user_version(), 3900);
-  const auto images = database.ReadImages();
-  ASSERT_TRUE(images.at(5).prior.has_value());
-  EXPECT_EQ(images.at(5).prior->position, Eigen::Vector3d(47, 8, -3));
-  EXPECT_EQ(images.at(5).prior->frame, PriorFrame::kWgs84);
-  EXPECT_FALSE(images.at(12).prior.has_value());
-  Database::Transaction edit(database);
-  EXPECT_ERROR_HAS(edit.SetPositionPrior(5, {1, 2, 3}), "user_version 3900");
-}
-
-TEST(DatabaseSchema, PriorsOfColmap4AreReadAndItsDatabaseIsNotEdited) {
-  TestFolder folder;
-  MakeDatabase(folder / "d.db");
-  const std::string position = kPosition;
-  RunSql(
-      folder / "d.db",
-      "CREATE TABLE pose_priors(pose_prior_id INTEGER PRIMARY KEY NOT NULL, corr_data_id INTEGER "
-      "NOT NULL, corr_sensor_id INTEGER NOT NULL, corr_sensor_type INTEGER NOT NULL, position "
-      "BLOB, position_covariance BLOB, gravity BLOB, coordinate_system INTEGER NOT NULL);"
-      "CREATE TABLE frames(frame_id INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL, rig_id INTEGER);"
-      "ALTER TABLE images DROP COLUMN prior_tx; ALTER TABLE images DROP COLUMN prior_ty;"
-      "ALTER TABLE images DROP COLUMN prior_tz; ALTER TABLE descriptors ADD COLUMN type INTEGER;"
-      "PRAGMA user_version = 4020100;"
-      "INSERT INTO pose_priors VALUES(1, 12, 7, 0, " +
-          position +
-          ", NULL, NULL, 1);"
-          "INSERT INTO pose_priors VALUES(2, 5, 7, 1, " +
-          position + ", NULL, NULL, 1)");
-  Database database = Database::Open(folder / "d.db", Access::kReadWrite);
-  const auto images = database.ReadImages();
-  ASSERT_TRUE(images.at(12).prior.has_value());
-  EXPECT_EQ(images.at(12).prior->position, Eigen::Vector3d(47, 8, -3));
-  EXPECT_EQ(images.at(12).prior->frame, PriorFrame::kCartesian);
-  EXPECT_FALSE(images.at(5).prior.has_value());  // of an inertial sensor with the same number
-  EXPECT_EQ(database.ReadDescriptors(12), MakeDescriptors(30));
-  EXPECT_ERROR_HAS(Database::Transaction edit(database), "user_version 4020100");
-}
+// ---- An older schema.
 
 TEST(DatabaseSchema, GeometryThatASchemaLacksIsUnknown) {
   TestFolder folder;

@@ -44,9 +44,8 @@ inline TwoViewGeometry MakeGeometry() {
 }
 
 // Camera 7, photos 12 and 5, everything that belongs to them.
-inline Database MakeDatabase(const std::filesystem::path& path) {
-  Database database = Database::Create(path);
-  Database::Transaction edit(database);
+inline void FillDatabase(Database* database) {
+  Database::Transaction edit(*database);
   edit.InsertCamera(7, MakeDatabaseCamera());
   edit.InsertImage(12, MakeDatabaseImage("a.jpg"));
   edit.InsertImage(5, {"folder/b.jpg", 7, std::nullopt});
@@ -57,6 +56,11 @@ inline Database MakeDatabase(const std::filesystem::path& path) {
   edit.InsertMatches({5, 12}, {{0, 1}, {2, 3}, {39, 29}});
   edit.InsertTwoViewGeometry({5, 12}, MakeGeometry());
   edit.Commit();
+}
+
+inline Database MakeDatabase(const std::filesystem::path& path) {
+  Database database = Database::Create(path);
+  FillDatabase(&database);
   return database;
 }
 
@@ -70,6 +74,7 @@ inline void ReadAll(const std::filesystem::path& path) {
     database.ReadDescriptors(id);
   }
   database.NumKeypoints();
+  database.ReadFrameTable();
   for (const auto& [pair, count] : database.NumMatches()) database.ReadMatches(pair);
   for (const auto& [pair, summary] : database.TwoViewSummaries()) {
     database.ReadTwoViewGeometry(pair);

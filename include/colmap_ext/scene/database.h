@@ -1,5 +1,5 @@
-// COLMAP's SQLite database: cameras, photos, keypoints, descriptors, matches. Reads databases
-// of 3.8 to 4.x; edits those of the 3.8 schema, in transactions. Tables:
+// COLMAP's SQLite database: cameras, photos, keypoints, descriptors, matches. Reads and edits, in
+// transactions, databases of 3.8 to 4.x, each in its own schema. Tables:
 // https://colmap.github.io/database.html
 #pragma once
 
@@ -17,6 +17,7 @@
 #include "colmap_ext/geom/camera.h"
 #include "colmap_ext/geom/transforms.h"
 #include "colmap_ext/scene/reconstruction.h"
+#include "colmap_ext/scene/rig.h"
 
 namespace colmap_ext {
 
@@ -76,6 +77,7 @@ enum class TwoViewConfig {
   kPlanarOrPanoramic = 6,
   kWatermark = 7,
   kMultiple = 8,
+  kCalibratedRig = 9,  // 3.12 and later
 };
 
 struct TwoViewGeometry {
@@ -121,11 +123,15 @@ class Database {
   // COLMAP's stamp of its schema: 3800 for 3.8, 3900 for 3.9 and 3.10, 4020100 for 4.2.1; 0 for
   // databases made by scripts.
   int user_version() const;
+  // Whether photos belong to rigs and frames here (COLMAP 3.12 and later).
+  bool has_frames() const;
 
   // Throws Error naming file and id for a camera model that we do not know.
   std::map<CameraId, DatabaseCamera> ReadCameras() const;
   std::map<ImageId, DatabaseImage> ReadImages() const;
   std::optional<ImageId> FindImage(const std::string& name) const;
+  // Rigs and frames; empty in a schema that has none. Throws Error when the table is not sound.
+  FrameTable ReadFrameTable() const;
 
   // Number of keypoints of every photo whose features were extracted.
   std::map<ImageId, std::size_t> NumKeypoints() const;
@@ -152,7 +158,7 @@ class Database {
 class Database::Transaction {
  public:
   // Waits some seconds for other programs. `database` must outlive this object. Throws Error when
-  // it was opened read-only or is locked.
+  // it was opened read-only, is locked, or is of a version whose tables we do not know.
   explicit Transaction(Database& database);
   // Undoes everything unless Commit() was called.
   ~Transaction();
@@ -160,14 +166,18 @@ class Database::Transaction {
   Transaction& operator=(const Transaction&) = delete;
 
   // Cameras and photos with ids of our choice, before `colmap feature_extractor` runs: it keeps
-  // ids, camera and prior of a photo that it finds here by name. Throw Error when id or name is
-  // taken, the camera is unknown, or the database is of 4.x (there they belong to rigs and frames,
-  // too).
+  // ids, camera and prior of a photo that it finds here by name. Where the schema has rigs and
+  // frames, a camera becomes a rig of one sensor and a photo a frame of one photo, with the
+  // camera's and the photo's id where these are free. Throw Error when id or name is taken, or the
+  // camera is unknown.
   void InsertCamera(CameraId camera_id, const DatabaseCamera& camera);
   void InsertImage(ImageId image_id, const DatabaseImage& image);
-  // Replaces the position prior (GPS: latitude, longitude, altitude). Throws Error when there is no
-  // such photo or the database is not of the 3.8 schema.
-  void SetPositionPrior(ImageId image_id, const Eigen::Vector3d& position);
+  // Replaces size, model and parameters. Throws Error when there is no such camera.
+  void UpdateCamera(CameraId camera_id, const DatabaseCamera& camera);
+  // Sets or replaces the position prior; the 3.8 schema does not keep the frame. Throws Error when
+  // there is no such photo, or the schema has no place for priors.
+  void SetPositionPrior(ImageId image_id, const Eigen::Vector3d& position,
+                        PriorFrame frame = PriorFrame::kWgs84);
 
   // Throw Error when the photo or pair has an entry already.
   void InsertKeypoints(ImageId image_id, const KeypointMatrix& keypoints);

@@ -1,4 +1,5 @@
-// COLMAP's sparse model: what cameras.bin, images.bin and points3D.bin hold.
+// COLMAP's sparse model: what cameras.bin, images.bin and points3D.bin hold, and rigs.bin and
+// frames.bin of the versions that have them.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,11 +11,10 @@
 
 #include "colmap_ext/geom/camera.h"
 #include "colmap_ext/geom/transforms.h"
+#include "colmap_ext/scene/rig.h"
 
 namespace colmap_ext {
 
-using CameraId = std::uint32_t;
-using ImageId = std::uint32_t;
 using Point3DId = std::uint64_t;
 inline constexpr Point3DId kInvalidPoint3DId = std::numeric_limits<Point3DId>::max();
 
@@ -48,13 +48,16 @@ struct Reconstruction {
   std::map<CameraId, Camera> cameras;
   std::map<ImageId, SparseImage> images;
   std::map<Point3DId, SparsePoint> points;
+  // Of models that have rigs: kept, so that they go back to a COLMAP that needs them. It need not
+  // have every photo (see FrameTableOf).
+  FrameTable frame_table = {};
 };
 
 // Throws Error naming what is inconsistent: a missing camera, a track element or keypoint that
-// points to nothing, a non-finite pose, a wrong number of parameters.
+// points to nothing, a non-finite pose, a wrong number of parameters, a frame without its rig.
 void CheckConsistency(const Reconstruction& reconstruction, const std::string& where);
 
-// Moves the whole model: points and camera centres by `new_from_old`.
+// Moves the whole model: points and camera centres by `new_from_old`; rigs grow with it.
 void TransformReconstruction(const Sim3d& new_from_old, Reconstruction* reconstruction);
 
 }  // namespace colmap_ext

@@ -1,6 +1,5 @@
 #include "mvs/facet_system.h"
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -8,8 +7,6 @@
 
 namespace colmap_ext {
 namespace {
-
-using SparseMatrix = Eigen::SparseMatrix<double>;
 
 constexpr double kProximalWeight = 1e-12;
 
@@ -48,28 +45,6 @@ FacetEdge MakeEdge(const ImageMesh& mesh, int t, int k, int other,
   return edge;
 }
 
-// Fill-reducing order of the free triangles: approximate minimum degree on their graph, whose nodes
-// stand for 3 x 3 blocks. order[position] = triangle (as numbered in `adjacency`).
-std::vector<int> MinimumDegreeOrder(const std::vector<std::vector<int>>& adjacency) {
-  const int n = static_cast<int>(adjacency.size());
-  Eigen::SparseMatrix<float> graph(n, n);
-  Eigen::VectorXi sizes(n);
-  for (int i = 0; i < n; ++i) {
-    sizes[i] = static_cast<int>(adjacency[static_cast<std::size_t>(i)].size()) + 1;
-  }
-  graph.reserve(sizes);
-  for (int i = 0; i < n; ++i) {
-    graph.insert(i, i) = 1.0F;
-    for (const int j : adjacency[static_cast<std::size_t>(i)]) graph.insert(j, i) = 1.0F;
-  }
-  graph.makeCompressed();
-  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
-  Eigen::AMDOrdering<int>()(graph, permutation);
-  std::vector<int> order(static_cast<std::size_t>(n));
-  for (int i = 0; i < n; ++i) order[static_cast<std::size_t>(i)] = permutation.indices()[i];
-  return order;
-}
-
 }  // namespace
 
 std::vector<FacetEdge> CollectEdges(const ImageMesh& mesh, const SuperpixelStereoOptions& options) {
@@ -87,21 +62,18 @@ std::vector<FacetEdge> CollectEdges(const ImageMesh& mesh, const SuperpixelStere
 
 FacetSystem::FacetSystem(std::size_t num_triangles, const std::vector<FacetEdge>& edges,
                          double smoothness_weight, double continuity_weight)
-    : diagonal_(num_triangles),
+    : diagonal_(num_triangles, Eigen::Matrix3d::Zero()),
       edge_blocks_(edges.size(), Eigen::Matrix3d::Zero()),
-      right_side_(num_triangles),
-      links_(num_triangles) {
-  for (std::size_t t = 0; t < num_triangles; ++t) {
-    diagonal_[t] = kProximalWeight * Eigen::Matrix3d::Identity();
-    right_side_[t].setZero();
-  }
+      links_(num_triangles, {Link{-1, 0, false}, Link{-1, 0, false}, Link{-1, 0, false}}) {
+  std::vector<std::vector<int>> adjacency(num_triangles);
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const FacetEdge& edge = edges[e];
     Eigen::Matrix3d* diagonal[2];
     for (int side = 0; side < 2; ++side) {
       const auto t = static_cast<std::size_t>(edge.triangle[side]);
       diagonal[side] = &diagonal_[t];
-      links_[t].push_back({edge.triangle[1 - side], static_cast<int>(e), side == 0});
+      links_[t].at(adjacency[t].size()) = {edge.triangle[1 - side], static_cast<int>(e), side == 0};
+      adjacency[t].push_back(edge.triangle[1 - side]);
     }
     Eigen::Matrix3d& coupling = edge_blocks_[e];
     const double continuity = continuity_weight * edge.color_weight;
@@ -125,117 +97,73 @@ FacetSystem::FacetSystem(std::size_t num_triangles, const std::vector<FacetEdge>
       }
     }
   }
+  order_ = MinimumDegreeOrder(adjacency);
 }
 
-void FacetSystem::Add(const DepthRow& row) {
-  const auto t = static_cast<std::size_t>(row.triangle);
-  diagonal_[t] += row.weight * row.barycentric * row.barycentric.transpose();
-  right_side_[t] += row.weight * row.inverse_depth * row.barycentric;
-}
-
-// The free triangles in the order of elimination.
-struct FacetSystem::Elimination {
-  std::vector<int> triangle_at;  // position to triangle
-  std::vector<int> position_of;  // triangle to position; -1: fixed
-};
-
-FacetSystem::Elimination FacetSystem::PlanElimination(
-    const std::vector<std::uint8_t>& fixed) const {
-  const std::size_t num_triangles = diagonal_.size();
-  std::vector<int> free_index(num_triangles, -1);
-  std::vector<int> free_triangles;
-  for (std::size_t t = 0; t < num_triangles; ++t) {
-    if (!fixed.empty() && fixed[t] != 0) continue;
-    free_index[t] = static_cast<int>(free_triangles.size());
-    free_triangles.push_back(static_cast<int>(t));
+FacetSolver::FacetSolver(const FacetSystem& system, const std::vector<std::uint8_t>& fixed)
+    : system_(system), position_of_(system.num_triangles(), -1) {
+  for (const int t : system.order_) {
+    if (!fixed.empty() && fixed[static_cast<std::size_t>(t)] != 0) continue;
+    position_of_[static_cast<std::size_t>(t)] = static_cast<int>(triangle_at_.size());
+    triangle_at_.push_back(t);
   }
-  std::vector<std::vector<int>> adjacency(free_triangles.size());
-  for (std::size_t i = 0; i < free_triangles.size(); ++i) {
-    for (const Link& link : links_[static_cast<std::size_t>(free_triangles[i])]) {
-      const int j = free_index[static_cast<std::size_t>(link.other)];
-      if (j >= 0) adjacency[i].push_back(j);
+  std::vector<std::pair<int, FacetSystem::Link>> below;
+  for (std::size_t p = 0; p < triangle_at_.size(); ++p) {
+    below.clear();
+    for (const FacetSystem::Link& link : system.links_[static_cast<std::size_t>(triangle_at_[p])]) {
+      const int row = link.other < 0 ? -1 : position_of_[static_cast<std::size_t>(link.other)];
+      if (row > static_cast<int>(p)) below.emplace_back(row, link);
+    }
+    std::sort(below.begin(), below.end(),
+              [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (const auto& [row, link] : below) {
+      matrix_.row.push_back(row);
+      link_of_entry_.push_back(link);
+    }
+    matrix_.begin.push_back(static_cast<int>(matrix_.row.size()));
+  }
+  matrix_.block.resize(matrix_.row.size());
+  matrix_.diagonal.resize(triangle_at_.size());
+  factor_.emplace(matrix_);
+}
+
+// Fills the matrix as well; what the fixed triangles say goes to the right-hand side.
+std::vector<Eigen::Vector3d> FacetSolver::RightSide(
+    double stiffness, const std::vector<DepthRow>& rows,
+    const std::vector<Eigen::Vector3d>& inverse_depth) {
+  std::vector<Eigen::Vector3d> right_side(triangle_at_.size());
+  for (std::size_t p = 0; p < triangle_at_.size(); ++p) {
+    const auto t = static_cast<std::size_t>(triangle_at_[p]);
+    matrix_.diagonal[p] =
+        stiffness * system_.diagonal_[t] + kProximalWeight * Eigen::Matrix3d::Identity();
+    right_side[p] = kProximalWeight * inverse_depth[t];
+    for (const FacetSystem::Link& link : system_.links_[t]) {
+      if (link.other < 0 || position_of_[static_cast<std::size_t>(link.other)] >= 0) continue;
+      right_side[p] -=
+          stiffness * system_.Coupling(link) * inverse_depth[static_cast<std::size_t>(link.other)];
+    }
+    for (int e = matrix_.begin[p]; e < matrix_.begin[p + 1]; ++e) {
+      const auto entry = static_cast<std::size_t>(e);
+      matrix_.block[entry] = stiffness * system_.Coupling(link_of_entry_[entry]).transpose();
     }
   }
-  Elimination plan;
-  plan.position_of.assign(num_triangles, -1);
-  if (free_triangles.empty()) return plan;
-  for (const int i : MinimumDegreeOrder(adjacency)) {
-    const int t = free_triangles[static_cast<std::size_t>(i)];
-    plan.position_of[static_cast<std::size_t>(t)] = static_cast<int>(plan.triangle_at.size());
-    plan.triangle_at.push_back(t);
+  for (const DepthRow& row : rows) {
+    const int position = position_of_[static_cast<std::size_t>(row.triangle)];
+    if (position < 0) continue;
+    const auto p = static_cast<std::size_t>(position);
+    matrix_.diagonal[p] += row.weight * row.barycentric * row.barycentric.transpose();
+    right_side[p] += row.weight * row.inverse_depth * row.barycentric;
   }
-  return plan;
+  return right_side;
 }
 
-// The upper triangle of the reduced matrix in compressed columns, and its right-hand side.
-struct FacetSystem::Reduced {
-  std::vector<int> outer{0};
-  std::vector<int> inner;
-  std::vector<double> values;
-  Eigen::VectorXd right_side;
-};
-
-// Written column by column straight into place; fixed triangles go to the right-hand side.
-FacetSystem::Reduced FacetSystem::Assemble(const Elimination& plan,
-                                           const std::vector<Eigen::Vector3d>& depth) const {
-  const std::size_t count = plan.triangle_at.size();
-  const auto position = [&](const Link& link) {
-    return plan.position_of[static_cast<std::size_t>(link.other)];
-  };
-  Reduced reduced;
-  reduced.right_side.resize(3 * static_cast<Eigen::Index>(count));
-  reduced.outer.reserve(3 * count + 1);
-  reduced.inner.reserve(24 * count);
-  reduced.values.reserve(24 * count);
-  std::vector<Link> above;
-  for (std::size_t p = 0; p < count; ++p) {
-    const auto t = static_cast<std::size_t>(plan.triangle_at[p]);
-    Eigen::Vector3d g = right_side_[t] + kProximalWeight * depth[t];
-    above.clear();
-    for (const Link& link : links_[t]) {
-      if (position(link) < 0) {
-        g -= Coupling(link) * depth[static_cast<std::size_t>(link.other)];
-      } else if (position(link) < static_cast<int>(p)) {
-        above.push_back(link);
-      }
-    }
-    std::sort(above.begin(), above.end(),
-              [&](const Link& a, const Link& b) { return position(a) < position(b); });
-    reduced.right_side.segment<3>(3 * static_cast<Eigen::Index>(p)) = g;
-    for (int c = 0; c < 3; ++c) {
-      for (const Link& link : above) {
-        const Eigen::Matrix3d block = Coupling(link);  // rows of t, columns of the other
-        for (int r = 0; r < 3; ++r) {
-          reduced.inner.push_back(3 * position(link) + r);
-          reduced.values.push_back(block(c, r));
-        }
-      }
-      for (int r = 0; r <= c; ++r) {
-        reduced.inner.push_back(3 * static_cast<int>(p) + r);
-        reduced.values.push_back(diagonal_[t](r, c));
-      }
-      reduced.outer.push_back(static_cast<int>(reduced.inner.size()));
-    }
-  }
-  return reduced;
-}
-
-bool FacetSystem::Solve(const std::vector<std::uint8_t>& fixed,
-                        std::vector<Eigen::Vector3d>* inverse_depth) const {
-  const Elimination plan = PlanElimination(fixed);
-  if (plan.triangle_at.empty()) return true;
-  const Reduced reduced = Assemble(plan, *inverse_depth);
-  const Eigen::Index size = reduced.right_side.size();
-  const Eigen::Map<const SparseMatrix> matrix(
-      size, size, static_cast<Eigen::Index>(reduced.inner.size()), reduced.outer.data(),
-      reduced.inner.data(), reduced.values.data());
-  const Eigen::SimplicialLLT<SparseMatrix, Eigen::Upper, Eigen::NaturalOrdering<int>> factor(
-      matrix);
-  if (factor.info() != Eigen::Success) return false;
-  const Eigen::VectorXd solution = factor.solve(reduced.right_side);
-  for (std::size_t p = 0; p < plan.triangle_at.size(); ++p) {
-    (*inverse_depth)[static_cast<std::size_t>(plan.triangle_at[p])] =
-        solution.segment<3>(3 * static_cast<Eigen::Index>(p));
+bool FacetSolver::Solve(double stiffness, const std::vector<DepthRow>& rows,
+                        std::vector<Eigen::Vector3d>* inverse_depth) {
+  std::vector<Eigen::Vector3d> x = RightSide(stiffness, rows, *inverse_depth);
+  if (!factor_->Factor(matrix_)) return false;
+  factor_->Solve(&x);
+  for (std::size_t p = 0; p < x.size(); ++p) {
+    (*inverse_depth)[static_cast<std::size_t>(triangle_at_[p])] = x[p];
   }
   return true;
 }

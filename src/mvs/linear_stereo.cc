@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <queue>
 
 #include "colmap_ext/util/error.h"
@@ -68,14 +69,23 @@ std::vector<double> DistanceToSupport(const ImageMesh& mesh, const std::vector<F
 
 }  // namespace
 
-std::vector<DepthRow> CollectSfmRows(const PhotoSet& photos, int photo_index, const ImageMesh& mesh,
+std::vector<std::vector<int>> PointsOfPhotos(const PhotoSet& photos) {
+  std::vector<std::vector<int>> points(photos.photos.size());
+  for (std::size_t p = 0; p < photos.points.size(); ++p) {
+    for (const int photo : photos.points[p].photo_indices) {
+      points[static_cast<std::size_t>(photo)].push_back(static_cast<int>(p));
+    }
+  }
+  return points;
+}
+
+std::vector<DepthRow> CollectSfmRows(const PhotoSet& photos, int photo_index,
+                                     const std::vector<int>& points_of_photo, const ImageMesh& mesh,
                                      const cv::Mat1i& triangle_at) {
   const PosedPhoto& photo = photos.photos[static_cast<std::size_t>(photo_index)];
   std::vector<DepthRow> rows;
-  for (const SupportPoint& point : photos.points) {
-    if (!std::binary_search(point.photo_indices.begin(), point.photo_indices.end(), photo_index)) {
-      continue;
-    }
+  for (const int p : points_of_photo) {
+    const SupportPoint& point = photos.points[static_cast<std::size_t>(p)];
     const Eigen::Vector3d point_in_cam = photo.cam_from_world * point.position;
     if (!(point_in_cam.z() > 0)) continue;
     const Eigen::Vector2d pixel = photo.camera.Project(point_in_cam);
@@ -101,16 +111,11 @@ std::vector<DepthRow> CollectSfmRows(const PhotoSet& photos, int photo_index, co
 
 struct LinearStereo::Impl {
   SuperpixelStereoOptions options;
-  std::vector<FacetEdge> edges;
-  std::vector<DepthRow>
-      sfm_rows;      // inverse depths divided by `scale`; weights with the robust factor
+  std::optional<FacetSystem> system;
+  // Inverse depths divided by `scale`; weights with the robust factor.
+  std::vector<DepthRow> sfm_rows;
   double scale = 0;  // median inverse depth of the SfM points; 0 without any
   ViewMesh initial;
-
-  FacetSystem MakeSystem(double stiffness) const {
-    return {initial.image.triangles.size(), edges, stiffness * options.smoothness_weight,
-            stiffness * options.continuity_weight};
-  }
 
   void SolveInitially();
 };
@@ -124,13 +129,12 @@ void LinearStereo::Impl::SolveInitially() {
   const std::vector<DepthRow> plain_rows = sfm_rows;
   std::vector<Eigen::Vector3d>& depth = initial.inverse_depth;
   depth.assign(depth.size(), Eigen::Vector3d::Ones());
+  FacetSolver solver(*system, {});
   for (int pass = 0; pass < options.robust_passes; ++pass) {
     const bool is_last = pass + 1 == options.robust_passes;
     const double progress =
         options.robust_passes == 1 ? 1.0 : static_cast<double>(pass) / (options.robust_passes - 1);
-    FacetSystem system = MakeSystem(std::pow(kFirstStiffness, 1.0 - progress));
-    for (const DepthRow& row : sfm_rows) system.Add(row);
-    if (!system.Solve({}, &depth)) {
+    if (!solver.Solve(std::pow(kFirstStiffness, 1.0 - progress), sfm_rows, &depth)) {
       throw Error("superpixel stereo: the linear system of photo " +
                   std::to_string(initial.photo_index) + " cannot be factorised");
     }
@@ -149,7 +153,8 @@ void LinearStereo::Impl::SolveInitially() {
   for (Eigen::Vector3d& corners : depth) corners *= scale;
 }
 
-LinearStereo::LinearStereo(const PhotoSet& photos, int photo_index, const ImageMesh& mesh,
+LinearStereo::LinearStereo(const PhotoSet& photos, int photo_index,
+                           const std::vector<int>& points_of_photo, const ImageMesh& mesh,
                            const cv::Mat1i& triangle_at, const SuperpixelStereoOptions& options)
     : impl_(std::make_unique<Impl>()) {
   ThrowIfInvalid(options.Check());
@@ -163,15 +168,17 @@ LinearStereo::LinearStereo(const PhotoSet& photos, int photo_index, const ImageM
   view.confidence.assign(mesh.triangles.size(), 0.0F);
   view.supported.assign(mesh.triangles.size(), 0);
   impl_->options = options;
-  impl_->edges = CollectEdges(mesh, options);
-  impl_->sfm_rows = CollectSfmRows(photos, photo_index, mesh, triangle_at);
+  const std::vector<FacetEdge> edges = CollectEdges(mesh, options);
+  impl_->system.emplace(mesh.triangles.size(), edges, options.smoothness_weight,
+                        options.continuity_weight);
+  impl_->sfm_rows = CollectSfmRows(photos, photo_index, points_of_photo, mesh, triangle_at);
   if (impl_->sfm_rows.empty()) return;
 
   std::vector<double> inverse_depths;
   for (const DepthRow& row : impl_->sfm_rows) inverse_depths.push_back(row.inverse_depth);
   impl_->scale = Median(inverse_depths);
   for (DepthRow& row : impl_->sfm_rows) row.inverse_depth /= impl_->scale;
-  const std::vector<double> distance = DistanceToSupport(mesh, impl_->edges, impl_->sfm_rows);
+  const std::vector<double> distance = DistanceToSupport(mesh, edges, impl_->sfm_rows);
   impl_->SolveInitially();
   for (std::size_t t = 0; t < distance.size(); ++t) {
     view.supported[t] =
@@ -194,15 +201,14 @@ void LinearStereo::Refine(const std::vector<std::uint8_t>& fixed, const std::vec
     for (const DepthRow& row : rows) inverse_depths.push_back(row.inverse_depth);
     scale = Median(inverse_depths);
   }
-  FacetSystem system = impl_->MakeSystem(1.0);
-  for (const DepthRow& row : impl_->sfm_rows) system.Add(row);
-  for (DepthRow row : rows) {
-    row.inverse_depth /= scale;
-    system.Add(row);
+  std::vector<DepthRow> all_rows = impl_->sfm_rows;
+  for (const DepthRow& row : rows) {
+    all_rows.push_back(row);
+    all_rows.back().inverse_depth /= scale;
   }
   std::vector<Eigen::Vector3d> depth = mesh->inverse_depth;
   for (Eigen::Vector3d& corners : depth) corners /= scale;
-  if (!system.Solve(fixed, &depth)) {
+  if (!FacetSolver(*impl_->system, fixed).Solve(1.0, all_rows, &depth)) {
     throw Error("superpixel stereo: the fusion system of photo " +
                 std::to_string(mesh->photo_index) + " cannot be factorised");
   }

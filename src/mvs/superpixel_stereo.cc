@@ -59,14 +59,15 @@ SuperpixelStereoResult RunSuperpixelStereo(const PhotoSet& photos,
   // Initialization: each view alone, without the fusion term.
   const StageTimer stereo_timer;
   result.neighbors = FindNeighbors(photos, options);
+  const std::vector<std::vector<int>> points = PointsOfPhotos(photos);
   result.views.resize(count);
   std::vector<std::unique_ptr<LinearStereo>> solver_of_photo(count);
   std::vector<std::unique_ptr<ViewLookup>> lookup_of_photo(count);
   ForEachPhoto(count, "stereo", job, [&](std::size_t i) {
     const cv::Mat1i triangle_at = RasterizeTriangleIds(partitions[i], photos.photos[i].camera.width,
                                                        photos.photos[i].camera.height);
-    solver_of_photo[i] = std::make_unique<LinearStereo>(photos, static_cast<int>(i), partitions[i],
-                                                        triangle_at, options);
+    solver_of_photo[i] = std::make_unique<LinearStereo>(photos, static_cast<int>(i), points[i],
+                                                        partitions[i], triangle_at, options);
     result.views[i] = solver_of_photo[i]->initial();
     lookup_of_photo[i] = std::make_unique<ViewLookup>(result.views[i], triangle_at);
   });

@@ -29,7 +29,7 @@ ViewMesh SolveFirst(const PhotoSet& photos, const SuperpixelStereoOptions& optio
   const PosedPhoto& photo = photos.photos[0];
   const ImageMesh mesh = SegmentPhoto(photo.bgr, {});
   const cv::Mat1i ids = RasterizeTriangleIds(mesh, photo.camera.width, photo.camera.height);
-  return LinearStereo(photos, 0, mesh, ids, options).initial();
+  return LinearStereo(photos, 0, PointsOfPhotos(photos)[0], mesh, ids, options).initial();
 }
 
 // Largest relative depth error over all triangle corners, for a plane n · X = 1 in the camera.
@@ -245,10 +245,9 @@ class FacetSystemTest : public ::testing::Test {
   double EnergyOf(const std::vector<Eigen::Vector3d>& d) const {
     return Energy(mesh_, edges_, rows_, d, 0.3, 0.2);
   }
-  FacetSystem System() const {
-    FacetSystem system(mesh_.triangles.size(), edges_, 0.3, 0.2);
-    for (const DepthRow& row : rows_) system.Add(row);
-    return system;
+  bool Solve(const std::vector<std::uint8_t>& fixed, std::vector<Eigen::Vector3d>* d) const {
+    const FacetSystem system(mesh_.triangles.size(), edges_, 0.1, 0.2 / 3);
+    return FacetSolver(system, fixed).Solve(3.0, rows_, d);
   }
   // Largest derivative of the energy by a depth of the free triangles (central differences, exact
   // for a quadratic).
@@ -279,7 +278,7 @@ class FacetSystemTest : public ::testing::Test {
 TEST_F(FacetSystemTest, SolutionIsAMinimumOfTheEnergy) {
   std::vector<Eigen::Vector3d> d(mesh_.triangles.size(), Eigen::Vector3d::Constant(0.7));
   EXPECT_GT(LargestGradient(d, {}), 1e-2);
-  ASSERT_TRUE(System().Solve({}, &d));
+  ASSERT_TRUE(Solve({}, &d));
   EXPECT_LT(LargestGradient(d, {}), 1e-9);
 }
 
@@ -291,7 +290,7 @@ TEST_F(FacetSystemTest, FixedTrianglesKeepTheirDepthAndTheRestIsOptimal) {
     fixed.push_back(t % 2 == 0);
   }
   const std::vector<Eigen::Vector3d> before = d;
-  ASSERT_TRUE(System().Solve(fixed, &d));
+  ASSERT_TRUE(Solve(fixed, &d));
   for (std::size_t t = 0; t < d.size(); t += 2) EXPECT_EQ(d[t], before[t]);
   EXPECT_LT(LargestGradient(d, fixed), 1e-9);
 }
@@ -299,7 +298,7 @@ TEST_F(FacetSystemTest, FixedTrianglesKeepTheirDepthAndTheRestIsOptimal) {
 TEST_F(FacetSystemTest, EverythingFixedIsNoError) {
   std::vector<Eigen::Vector3d> d(mesh_.triangles.size(), Eigen::Vector3d::Constant(0.7));
   const std::vector<std::uint8_t> fixed(mesh_.triangles.size(), 1);
-  EXPECT_TRUE(System().Solve(fixed, &d));
+  EXPECT_TRUE(Solve(fixed, &d));
 }
 
 TEST(SuperpixelStereoOptions, SayWhatIsWrong) {

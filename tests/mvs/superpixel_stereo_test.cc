@@ -157,7 +157,7 @@ TEST(SuperpixelStereo, APhotoWithoutPointsIsFilledByItsNeighbours) {
   for (const ViewMesh& view : result.views) lookups.emplace_back(view, TriangleIdMap(view));
   PhotoSet bare = survey.photos;
   bare.points.clear();
-  const LinearStereo solver(bare, 3, result.views[3].image, lookups[3].triangle_at, options);
+  const LinearStereo solver(bare, 3, {}, result.views[3].image, lookups[3].triangle_at, options);
   result.views[3] = solver.initial();
   const std::vector<DepthRow> rows =
       CollectFusionRows(result.views, lookups, result.neighbors[3], 3, options);

@@ -24,17 +24,23 @@ struct DepthRow {
   double weight = 1;
 };
 
-// Rows of the SfM points that photo `photo_index` observes, by their projection. Weight: less for a
-// large reprojection error, half for a track of two.
-std::vector<DepthRow> CollectSfmRows(const PhotoSet& photos, int photo_index, const ImageMesh& mesh,
+// For each photo the indices of the points that it observes, ascending.
+std::vector<std::vector<int>> PointsOfPhotos(const PhotoSet& photos);
+
+// Rows of the SfM points that photo `photo_index` observes (its entry of PointsOfPhotos), by their
+// projection. Weight: less for a large reprojection error, half for a track of two.
+std::vector<DepthRow> CollectSfmRows(const PhotoSet& photos, int photo_index,
+                                     const std::vector<int>& points_of_photo, const ImageMesh& mesh,
                                      const cv::Mat1i& triangle_at);
 
 // Solves one view, again and again with different rows. Immutable after construction.
 class LinearStereo {
  public:
-  // `mesh` is the partition of the photo, `triangle_at` its TriangleIdMap.
-  LinearStereo(const PhotoSet& photos, int photo_index, const ImageMesh& mesh,
-               const cv::Mat1i& triangle_at, const SuperpixelStereoOptions& options);
+  // `mesh` is the partition of the photo, `triangle_at` its TriangleIdMap, `points_of_photo` its
+  // entry of PointsOfPhotos.
+  LinearStereo(const PhotoSet& photos, int photo_index, const std::vector<int>& points_of_photo,
+               const ImageMesh& mesh, const cv::Mat1i& triangle_at,
+               const SuperpixelStereoOptions& options);
   ~LinearStereo();
   LinearStereo(LinearStereo&&) noexcept;
   LinearStereo& operator=(LinearStereo&&) noexcept;

@@ -1,9 +1,14 @@
+#include <cctype>
 #include <cstdio>
 #include <iostream>
 
 #include "colmap_ext/eval/camera_poses.h"
+#include "colmap_ext/eval/count_views.h"
 #include "colmap_ext/eval/error_colors.h"
 #include "colmap_ext/eval/evaluate.h"
+#include "colmap_ext/report/error_histogram.h"
+#include "colmap_ext/report/mesh_picture.h"
+#include "colmap_ext/scene/las.h"
 #include "colmap_ext/scene/mesh_io.h"
 #include "colmap_ext/scene/reconstruction_io.h"
 #include "colmap_ext/scene/workspace.h"
@@ -11,6 +16,7 @@
 #include "colmap_ext/util/files.h"
 #include "command_line.h"
 #include "commands.h"
+#include "depth_evaluation.h"
 
 namespace colmap_ext {
 namespace {
@@ -20,28 +26,41 @@ namespace fs = std::filesystem;
 struct Paths {
   fs::path workspace;
   fs::path mesh;
+  fs::path depth;
+  fs::path confidence;
   fs::path ground_truth;
   fs::path input;
   fs::path camera;
   fs::path output;
   fs::path error_mesh;
   fs::path error_cloud;
+  fs::path histogram;
 };
 
 void AddPaths(OptionSet& set, Paths* paths) {
   set.Add("", "workspace_path", &paths->workspace,
           "a session: its last surface, sparse model and output folder, unless given below");
-  set.Add("", "mesh_path", &paths->mesh, "the model, a PLY mesh or cloud");
-  set.Add("", "ground_truth_path", &paths->ground_truth, "the truth, a PLY mesh in metres");
-  set.Add("", "input_path", &paths->input, "sparse model whose cameras belong to the mesh");
+  set.Add("", "mesh_path", &paths->mesh,
+          "the model: a PLY mesh or cloud, or a COLMAP dense workspace (its meshed or fused PLY)");
+  set.Add("", "ground_truth_path", &paths->ground_truth,
+          "the truth in metres: a PLY mesh or cloud, or a LAS scan; with --depth_path the true "
+          "depth maps");
+  set.Add("", "input_path", &paths->input,
+          "sparse model whose cameras belong to the mesh; with it, what the photos cannot see is "
+          "reported apart");
   set.Add("", "camera_path", &paths->camera,
           "true poses, lines of: name qw qx qy qz tx ty tz (cam_from_world); with a sparse model "
           "the cameras give the first alignment");
+  set.Add("", "depth_path", &paths->depth,
+          "depth maps to judge instead of a mesh: a map, or a folder of maps (COLMAP's .bin)");
+  set.Add("", "confidence_path", &paths->confidence,
+          "confidence maps of the same names; errors are then given by confidence, too");
   set.Add("", "output_path", &paths->output, "JSON file to write");
   set.Add("", "error_mesh_path", &paths->error_mesh,
           "PLY to write: the aligned model, each vertex coloured by its distance to the truth");
   set.Add("", "error_cloud_path", &paths->error_cloud,
           "PLY to write: samples of the truth, coloured by their distance to the model");
+  set.Add("", "histogram_path", &paths->histogram, "picture to write (PNG): histogram of errors");
 }
 
 void FillFromWorkspace(Paths* paths) {
@@ -56,12 +75,31 @@ void FillFromWorkspace(Paths* paths) {
   if (paths->output.empty()) paths->output = files.folder / "evaluation.json";
 }
 
-TriangleMesh ReadPlyMesh(const fs::path& path, const std::string& what) {
+std::string LowerExtension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+// The best model of a COLMAP dense workspace.
+fs::path ModelOfDenseWorkspace(const fs::path& folder) {
+  for (const char* name : {"meshed-poisson.ply", "meshed-delaunay.ply", "fused.ply"}) {
+    if (fs::is_regular_file(folder / name)) return folder / name;
+  }
+  throw Error(folder.string() +
+              ": no meshed-poisson.ply, meshed-delaunay.ply or fused.ply; run `colmap "
+              "stereo_fusion` there, or name the mesh");
+}
+
+TriangleMesh ReadModel(const fs::path& path, const std::string& what) {
+  if (fs::is_directory(path)) return ReadMesh(ModelOfDenseWorkspace(path));
   RequireFile(path, what);
-  if (path.extension() != ".ply" && path.extension() != ".PLY") {
+  const std::string extension = LowerExtension(path);
+  if (extension == ".las" || extension == ".laz") return {ReadLasPoints(path), {}};
+  if (extension != ".ply") {
     throw Error(path.string() + ": the " + what +
-                " must be a PLY file; convert it first (MeshLab, " +
-                "CloudCompare or `assimp export` do it)");
+                " must be a PLY or LAS file; convert it first (MeshLab, CloudCompare or `assimp "
+                "export` do it)");
   }
   return ReadMesh(path);
 }
@@ -88,6 +126,7 @@ void PrintResult(const EvaluationResult& result, const ModelAlignment& alignment
   std::cout << "mean error       " << Format("%8.1f mm", 1000 * result.errors.mean_m)
             << "\nRMS error        " << Format("%8.1f mm", 1000 * result.errors.rms_m)
             << "\nmedian error     " << Format("%8.1f mm", 1000 * result.errors.median_m)
+            << "\n90th percentile  " << Format("%8.1f mm", 1000 * result.errors.percentile90_m)
             << "\nscale            " << Format("%12.6f", alignment.truth_from_model.scale)
             << "\nsamples          "
             << Format("%8.0f", static_cast<double>(result.truth_samples.size()))
@@ -100,9 +139,39 @@ void PrintResult(const EvaluationResult& result, const ModelAlignment& alignment
   }
 }
 
-void WriteErrorPictures(const TriangleMesh& aligned, const TriangleMesh& truth,
-                        const EvaluationResult& result, const EvaluationOptions& options,
-                        const Paths& paths) {
+void PrintPart(const char* title, const ErrorSummary& part, const EvaluationResult& result) {
+  std::cout << '\n'
+            << title
+            << Format(": %.1f %% of the truth",
+                      100 * static_cast<double>(part.samples) /
+                          static_cast<double>(result.truth_samples.size()));
+  if (part.samples > 0) {
+    std::cout << Format(", mean error %.1f mm", 1000 * part.mean_m)
+              << Format(", RMS %.1f mm", 1000 * part.rms_m);
+    for (std::size_t i = 0; i < result.scores.size(); ++i) {
+      std::cout << Format(", within %.1f mm", 1000 * result.scores[i].threshold_m)
+                << Format(" %.1f %%", 100 * part.completeness[i]);
+    }
+  }
+  std::cout << '\n';
+}
+
+// Splits the result by what the photos can see, where that can be told.
+void CountSeen(const Paths& paths, const TriangleMesh& truth, const ModelAlignment& alignment,
+               const EvaluationOptions& options, const JobControl& job, EvaluationResult* result) {
+  if (paths.input.empty()) return;
+  if (truth.faces.empty()) {
+    job.Info("the truth is a cloud: what the photos cannot see is not told apart");
+    return;
+  }
+  const Reconstruction model = ReadReconstruction(paths.input);
+  SplitBySeen(CountViews(result->truth_samples, truth, model, alignment.truth_from_model, job),
+              options, result);
+}
+
+void WritePictures(const TriangleMesh& aligned, const TriangleMesh& truth,
+                   const EvaluationResult& result, const EvaluationOptions& options,
+                   const Paths& paths) {
   const double max_error_m = 2 * options.ThresholdsM().back();
   if (!paths.error_mesh.empty()) {
     WriteMesh(aligned, ErrorColors(DistancesTo(truth, aligned.vertices), max_error_m),
@@ -115,6 +184,33 @@ void WriteErrorPictures(const TriangleMesh& aligned, const TriangleMesh& truth,
     }
     WriteMesh(cloud, ErrorColors(result.truth_error_m, max_error_m), paths.error_cloud);
   }
+  if (!paths.histogram.empty()) {
+    WritePng(
+        DrawErrorHistogram(result.truth_error_m, max_error_m, options.ThresholdsM(), {1000, 480}),
+        paths.histogram);
+  }
+}
+
+void EvaluateMesh(const Paths& paths, const EvaluationOptions& options, const JobControl& job) {
+  const TriangleMesh model = ReadModel(paths.mesh, "mesh");
+  const TriangleMesh truth = ReadModel(paths.ground_truth, "ground truth");
+  const ModelAlignment alignment = AlignModel(model, truth, ReadCameraPairs(paths), options, job);
+  if (alignment.cameras) {
+    for (const std::string& name : alignment.cameras->rejected) {
+      job.Warn(name + ": its pose contradicts the other photos; it was left out of the alignment");
+    }
+  }
+  const TriangleMesh aligned = TransformMesh(alignment.truth_from_model, model);
+  EvaluationResult result = EvaluateModel(aligned, truth, options, job);
+  CountSeen(paths, truth, alignment, options, job, &result);
+  WriteFileAtomically(paths.output, EvaluationToJson(result, alignment, options));
+  WritePictures(aligned, truth, result, options, paths);
+  PrintResult(result, alignment);
+  if (result.seen) {
+    PrintPart(options.min_views == 1 ? "seen by a photo" : "seen by enough photos", *result.seen,
+              result);
+  }
+  if (result.unseen) PrintPart("not seen", *result.unseen, result);
 }
 
 }  // namespace
@@ -124,32 +220,25 @@ int RunModelEvaluator(const Arguments& arguments, const CancelFlag& cancel) {
   EvaluationOptions options;
   CommandLine line("model_evaluator",
                    "Aligns a mesh or cloud to its ground truth (by cameras when their true poses "
-                   "are given, then by ICP with scale) and measures error, completeness, accuracy "
-                   "and F-score.");
+                   "are given, then by ICP with scale; --ModelEvaluator.icp_iterations 0 leaves it "
+                   "where it is) and measures error, completeness, accuracy and F-score. With "
+                   "--depth_path: measures depth maps against true ones.");
   AddPaths(line.options(), &paths);
   BindOptions(line.options(), &options);
   if (!line.Parse(arguments)) return 0;
-  FillFromWorkspace(&paths);
-  RequireOption(paths.mesh, "mesh_path");
+  const bool judges_depth = !paths.depth.empty();
+  if (!judges_depth) FillFromWorkspace(&paths);
+  if (!judges_depth) RequireOption(paths.mesh, "mesh_path");
   RequireOption(paths.ground_truth, "ground_truth_path");
   RequireOption(paths.output, "output_path");
   ThrowIfInvalid(options.Check());
   ConsoleSink sink(line.log_level());
   const JobControl job(&sink, &cancel);
-
-  const TriangleMesh model = ReadPlyMesh(paths.mesh, "mesh");
-  const TriangleMesh truth = ReadPlyMesh(paths.ground_truth, "ground truth");
-  const ModelAlignment alignment = AlignModel(model, truth, ReadCameraPairs(paths), options, job);
-  if (alignment.cameras) {
-    for (const std::string& name : alignment.cameras->rejected) {
-      job.Warn(name + ": its pose contradicts the other photos; it was left out of the alignment");
-    }
+  if (judges_depth) {
+    EvaluateDepthMaps({paths.depth, paths.ground_truth, paths.confidence}, paths.output, job);
+  } else {
+    EvaluateMesh(paths, options, job);
   }
-  const TriangleMesh aligned = TransformMesh(alignment.truth_from_model, model);
-  const EvaluationResult result = EvaluateModel(aligned, truth, options, job);
-  WriteFileAtomically(paths.output, EvaluationToJson(result, alignment, options));
-  WriteErrorPictures(aligned, truth, result, options, paths);
-  PrintResult(result, alignment);
   job.Info("wrote " + paths.output.string());
   return 0;
 }

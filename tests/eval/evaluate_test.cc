@@ -131,6 +131,41 @@ TEST(EvaluateModel, AgreesWithRayScene) {
   }
 }
 
+// A laser scan: points of the house's surface, 8 cm apart.
+TriangleMesh ScanOfHouse() {
+  TriangleMesh scan;
+  for (const auto& sample : SamplePoissonDisk(House(), 0.08, 3)) {
+    scan.vertices.push_back(sample.position);
+  }
+  return scan;
+}
+
+TEST(EvaluateModel, TruthMayBeAScan) {
+  TriangleMesh model = House();
+  for (auto& vertex : model.vertices) vertex *= 1.01;
+  EvaluationOptions options;
+  options.sample_spacing_m = 0.2;
+  const EvaluationResult by_scan = EvaluateModel(model, ScanOfHouse(), options, {});
+  const EvaluationResult by_mesh = EvaluateModel(model, House(), options, {});
+  EXPECT_NEAR(by_scan.errors.mean_m, by_mesh.errors.mean_m, 0.03 * by_mesh.errors.mean_m);
+  EXPECT_NEAR(by_scan.scores[1].completeness, by_mesh.scores[1].completeness, 0.03);
+  // Samples of a scan are its own points, no two nearer than the spacing.
+  for (std::size_t i = 1; i < by_scan.truth_samples.size(); ++i) {
+    const auto& a = by_scan.truth_samples[i - 1].position;
+    ASSERT_GE((a - by_scan.truth_samples[i].position).norm(), options.sample_spacing_m);
+  }
+}
+
+TEST(AlignModel, ComesBackToAScan) {
+  const Sim3d moved = MakeSim3(1.03, 0.02, {0.3, 0.2, 1}, {0.08, -0.05, 0.03});
+  EvaluationOptions options;
+  options.icp.num_samples = 5000;
+  const TriangleMesh model = TransformMesh(moved, House());
+  const ModelAlignment alignment = AlignModel(model, ScanOfHouse(), {}, options, {});
+  EXPECT_NEAR(alignment.truth_from_model.scale * moved.scale, 1, 1e-4);
+  EXPECT_LT(alignment.icp->rms_m, 1e-3);
+}
+
 TEST(EvaluateModel, BadInput) {
   EXPECT_THROW(EvaluateModel({}, House(), {}, {}), Error);
   EXPECT_THROW(EvaluateModel(House(), {}, {}, {}), Error);

@@ -6,7 +6,6 @@
 
 #include "colmap_ext/coverage/coverage.h"
 #include "colmap_ext/coverage/region.h"
-#include "colmap_ext/eval/camera_poses.h"
 #include "colmap_ext/eval/evaluate.h"
 #include "colmap_ext/mission/qgc_plan.h"
 #include "colmap_ext/mvs/points.h"
@@ -19,6 +18,7 @@
 #include "colmap_ext/scene/oriented_points_io.h"
 #include "colmap_ext/scene/photo_scale.h"
 #include "colmap_ext/scene/reconstruction_io.h"
+#include "colmap_ext/scene/true_poses.h"
 #include "colmap_ext/scene/view_plan_io.h"
 #include "colmap_ext/surface/poisson.h"
 #include "colmap_ext/util/error.h"
@@ -191,7 +191,7 @@ int CountPlannedStops(const FlightPath& path) {
 
 void Evaluate(const IterationContext& context, const Work& work, IterationSummary* summary,
               const JobControl& job) {
-  const auto true_poses = ReadCameraPoses(context.true_poses_path);
+  const auto true_poses = PoseOfPhoto(ReadTruePoses(context.true_poses_path));
   const std::vector<CameraPair> pairs = PairCameras(work.sparse.model, true_poses);
   const EvaluationOptions& options = context.options->evaluation;
   const ModelAlignment alignment =

@@ -133,46 +133,6 @@ TEST_F(SimulatedCameraTest, BadOptionsAndPlacesAreRefused) {
   EXPECT_THROW(camera.CapturePhoto(View(1), folder_ / "file" / "a.jpg"), Error);
 }
 
-TEST(TruePoses, ComeBackExactlyAndSorted) {
-  const ScratchFolder folder("poses");
-  const auto path = folder / "true_poses.txt";
-  const Rigid3d a = CamFromWorld({1.0 / 3, -2, 7}, {0.3, -0.4});
-  const Rigid3d b = CamFromWorld({5, 6, 7}, {-1, 0.2});
-  WriteTruePoses({{"b.jpg", b}, {"a.jpg", a}}, path);
-  const auto poses = ReadTruePoses(path);
-  ASSERT_EQ(poses.size(), 2u);
-  EXPECT_EQ(poses[0].name, "a.jpg");
-  EXPECT_EQ(poses[0].cam_from_world.translation, a.translation);
-  EXPECT_LT(poses[1].cam_from_world.rotation.angularDistance(b.rotation), 1e-15);
-}
-
-TEST(TruePoses, UpdateReplacesAndAdds) {
-  const ScratchFolder folder("update");
-  const auto path = folder / "true_poses.txt";
-  const Rigid3d first = CamFromWorld({1, 2, 3}, {}), second = CamFromWorld({4, 5, 6}, {});
-  UpdateTruePoses({{"a.jpg", first}, {"b.jpg", first}}, path);
-  UpdateTruePoses({{"b.jpg", second}, {"c.jpg", second}}, path);
-  const auto poses = ReadTruePoses(path);
-  ASSERT_EQ(poses.size(), 3u);
-  EXPECT_TRUE(CameraCenter(poses[0].cam_from_world).isApprox(Eigen::Vector3d(1, 2, 3)));
-  EXPECT_TRUE(CameraCenter(poses[1].cam_from_world).isApprox(Eigen::Vector3d(4, 5, 6)));
-}
-
-TEST(TruePoses, BadFilesAreNamedByLine) {
-  const ScratchFolder folder("badposes");
-  const auto path = folder / "p.txt";
-  const auto message = [&](const std::string& content) {
-    WriteFileAtomically(path, content);
-    return ErrorOf([&] { ReadTruePoses(path); });
-  };
-  EXPECT_EQ(message("# nothing\n\na 1 0 0 0 1 2 3 # rest\n"), "");
-  EXPECT_NE(message("a 1 0 0 0 1 2 3\nb 1 0 0 0 1 2\n").find("line 2"), std::string::npos);
-  EXPECT_NE(message("a 1 0 0 0 1 2 3 4\n").find("line 1"), std::string::npos);
-  EXPECT_NE(message("a 0 0 0 0 1 2 3\n").find("quaternion"), std::string::npos);
-  EXPECT_THROW(ReadTruePoses(folder / "none.txt"), Error);
-  EXPECT_THROW(WriteTruePoses({{"a b.jpg", Rigid3d()}}, path), Error);
-}
-
 TEST(PoseList, IsReadInDegreesAndMetres) {
   const ScratchFolder folder("list");
   const auto path = folder / "poses.txt";

@@ -9,6 +9,7 @@
 #include "colmap_ext/geom/camera.h"
 #include "colmap_ext/geom/geodesy.h"
 #include "colmap_ext/geom/transforms.h"
+#include "colmap_ext/scene/true_poses.h"
 #include "colmap_ext/scene/view_plan.h"
 #include "colmap_ext/sim/renderer.h"
 #include "colmap_ext/util/options.h"
@@ -63,18 +64,5 @@ class SimulatedCamera {
   GeoPosition origin_;
   SimulatedCameraOptions options_;
 };
-
-// --- true poses, for evaluation: text, a line a photo, `name qw qx qy qz tx ty tz`
-// (cam_from_world); '#' starts a comment ---
-struct TruePose {
-  std::string name;  // no white space
-  Rigid3d cam_from_world;
-};
-// Poses sorted by name, replaced atomically. Throws Error for a name with white space.
-void WriteTruePoses(const std::vector<TruePose>& poses, const std::filesystem::path& path);
-// Throws Error naming file and line of what cannot be read.
-std::vector<TruePose> ReadTruePoses(const std::filesystem::path& path);
-// Adds to the file, or replaces poses of the same names; the file may not exist yet.
-void UpdateTruePoses(const std::vector<TruePose>& poses, const std::filesystem::path& path);
 
 }  // namespace colmap_ext

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 struct Inputs {
   fs::path workspace_path;
-  fs::path database_path, image_path, input_path, output_path;
+  fs::path database_path, image_path, input_path, sparse_path, output_path;
   fs::path geo_path, pose_prior_path, colmap_path;
   std::string camera_model, camera_params;
   bool update_database = false;
@@ -43,6 +43,7 @@ void BindInputs(OptionSet& set, Inputs* inputs) {
   set.Add("", "update_database", &inputs->update_database,
           "replace the database at database_path instead of copying it (0 or 1)");
   set.Add("", "input_path", &inputs->input_path, "sparse model to continue; it is only read");
+  set.Add("", "sparse_path", &inputs->sparse_path, "the same as input_path");
   set.Add("", "output_path", &inputs->output_path, "new folder for the model");
   set.Add("", "geo_path", &inputs->geo_path, "positions of photos: lines of name lon lat alt");
   set.Add("", "pose_prior_path", &inputs->pose_prior_path,
@@ -153,6 +154,13 @@ void SetDatabase(const Inputs& inputs, SparseUpdateInput* input) {
   input->base_database_path = inputs.database_path;
 }
 
+// One name for the model.
+void JoinNames(Inputs* inputs) {
+  if (inputs->sparse_path.empty()) return;
+  if (!inputs->input_path.empty()) throw UsageError("give --sparse_path or --input_path, not both");
+  inputs->input_path = inputs->sparse_path;
+}
+
 void CheckPaths(const Inputs& inputs) {
   if (!inputs.workspace_path.empty()) {
     if (!inputs.input_path.empty() || !inputs.output_path.empty() ||
@@ -196,6 +204,14 @@ void PrintSummary(const SparseUpdateResult& result, const Places& places) {
   std::printf("%zu of %zu photos registered, %zu of them new; %zu points, %.3f px mean error\n",
               result.registered.size(), total, result.newly_registered.size(),
               result.model.points.size(), result.mean_error_px);
+  for (const std::vector<std::string>& names : result.other_models) {
+    std::printf("a model of its own, not joined yet: %zu photos from %s to %s\n", names.size(),
+                names.front().c_str(), names.back().c_str());
+  }
+  if (const auto& fit = result.adjustment_of_all) {
+    std::printf("all poses adjusted: %zu observations, %.3f px RMS before, %.3f px after\n",
+                fit->num_observations, fit->initial_rms_px, fit->final_rms_px);
+  }
   if (const auto& fit = result.georegistration; fit && fit->world_from_model) {
     std::printf("georegistered: %d positions, residual %.2f m RMS, %.2f m at most, %zu outliers\n",
                 fit->num_used, fit->rms_m, fit->max_m, fit->outliers.size());
@@ -220,7 +236,7 @@ int RunSparseUpdater(const Arguments& arguments, const CancelFlag& cancel) {
       "Photos to a sparse model in local metres (ENU), or more photos into a model that is "
       "there, with the colmap program. Only new photos cost time, and the old poses keep "
       "their place. An existing COLMAP project is given by --database_path, --image_path "
-      "and --input_path; nothing of it is changed: the new model and the updated copy of "
+      "and --sparse_path; nothing of it is changed: the new model and the updated copy of "
       "the database go to --output_path (or, with --update_database 1, the database is "
       "replaced in one step where it is).");
   Inputs inputs;
@@ -228,6 +244,7 @@ int RunSparseUpdater(const Arguments& arguments, const CancelFlag& cancel) {
   BindInputs(line.options(), &inputs);
   BindOptions(line.options(), &options);
   if (!line.Parse(arguments)) return 0;
+  JoinNames(&inputs);
   CheckPaths(inputs);
   ThrowIfInvalid(options.Check());
   ConsoleSink sink(line.log_level());

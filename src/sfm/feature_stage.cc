@@ -2,8 +2,10 @@
 
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
+#include <map>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "colmap_ext/scene/photo.h"
 #include "colmap_ext/util/error.h"
@@ -13,41 +15,6 @@ namespace colmap_ext {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path Beside(const fs::path& path, const char* suffix) { return path.string() + suffix; }
-
-void RemoveDatabase(const fs::path& path) {
-  std::error_code ignored;
-  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
-    fs::remove(Beside(path, suffix), ignored);
-  }
-}
-
-// Always the same name, so that the next run removes what a killed one left.
-fs::path WorkingPathFor(const fs::path& path) {
-  return path.parent_path() / ("." + path.stem().string() + ".update" + path.extension().string());
-}
-
-bool HasPendingWrites(const fs::path& database) {
-  const fs::path log = Beside(database, "-wal");
-  return fs::exists(log) && fs::file_size(log) > 0;
-}
-
-// Versions of COLMAP that read each other's databases without losing anything: until 3.13, and from
-// 4.0 on. 0 stands for a database made by a script, with 3.8's tables.
-constexpr int kFirstVersionWithFrames = 4000000;
-
-void RequireMatchingVersion(const fs::path& path, const Database& database, int program_version,
-                            const std::string& program_name) {
-  const int version = database.user_version();
-  const bool has_frames = version >= kFirstVersionWithFrames;
-  const bool program_has_frames = program_version >= kFirstVersionWithFrames;
-  if (version <= program_version && has_frames == program_has_frames) return;
-  throw Error(path.string() + ": this database was made by another version of COLMAP (stamp " +
-              std::to_string(version) + ") than the program in use (" + program_name + ", stamp " +
-              std::to_string(program_version) +
-              "); name that version's program by --colmap_path, or start a new database");
-}
 
 void CheckGivenCamera(const Camera& camera, const CatalogPhoto& photo) {
   if (camera.width == photo.metadata.width && camera.height == photo.metadata.height) return;
@@ -149,86 +116,70 @@ void RequireReadablePhotos(const std::vector<std::string>& names, const fs::path
   }
 }
 
-std::vector<std::string> PhotosWithoutFeatures(const PhotoCatalog& catalog,
-                                               const fs::path& database_path) {
-  const Database database = Database::Open(database_path, Database::Access::kReadOnly);
+// Ids by name, in name order.
+std::map<std::string, ImageId> PhotosWithoutFeatures(const PhotoCatalog& catalog,
+                                                     const DatabaseView& database) {
   const std::map<ImageId, std::size_t> counts = database.NumKeypoints();
-  std::set<std::string> done;
+  std::map<std::string, ImageId> ids;
   for (const auto& [id, image] : database.ReadImages()) {
-    if (counts.count(id) > 0) done.insert(image.name);
+    if (counts.count(id) == 0) ids[image.name] = id;
   }
-  std::vector<std::string> names;
+  std::map<std::string, ImageId> wanted;
   for (const CatalogPhoto& photo : catalog.photos) {
-    if (done.count(photo.name) == 0) names.push_back(photo.name);
+    const auto found = ids.find(photo.name);
+    if (found != ids.end()) wanted.insert(*found);
   }
-  return names;
+  return wanted;
+}
+
+// `colmap feature_extractor` keeps the ids of photos that it finds.
+void AddRowsToDraft(const std::map<std::string, ImageId>& photos, const UpdateDatabase& databases) {
+  const DatabaseView view(databases);
+  Database draft = Database::Open(databases.draft(), Database::Access::kReadWrite);
+  const std::map<CameraId, DatabaseCamera> cameras = draft.ReadCameras();
+  const std::map<ImageId, DatabaseImage> known = draft.ReadImages();
+  const std::map<ImageId, DatabaseImage> images = view.ReadImages();
+  Database::Transaction transaction(draft);
+  for (const auto& [id, camera] : view.ReadCameras()) {
+    if (cameras.count(id) == 0) transaction.InsertCamera(id, camera);
+  }
+  for (const auto& [name, id] : photos) {
+    if (known.count(id) == 0) transaction.InsertImage(id, images.at(id));
+  }
+  transaction.Commit();
 }
 
 }  // namespace
 
-WorkingDatabase::WorkingDatabase(const fs::path& database_path, const fs::path& base_path,
-                                 const fs::path& work_path, ColmapProgram* colmap,
-                                 const JobControl& job)
-    : target_(database_path), path_(WorkingPathFor(database_path)), empty_(work_path / "empty.db") {
-  RequireWritableFolder(fs::absolute(database_path).parent_path(), "folder of the database");
-  RemoveDatabase(path_);
-  RemoveDatabase(empty_);
-  colmap->Run("database_creator", {{"database_path", empty_.string()}}, work_path / "database.log",
-              job);
-  fs::path source = empty_;
-  if (fs::exists(target_)) {
-    // Opening and closing brings what a killed program left in the -wal file into the database.
-    if (HasPendingWrites(target_)) Database::Open(target_, Database::Access::kReadWrite);
-    source = target_;
-  } else if (!base_path.empty()) {
-    RequireFile(base_path, "database");
-    source = base_path;
-  }
-  const int program_version = Database::Open(empty_, Database::Access::kReadOnly).user_version();
-  RequireMatchingVersion(source, Database::Open(source, Database::Access::kReadOnly),
-                         program_version, colmap->dialect().version());
-  Database::Copy(source, path_);
-}
-
-WorkingDatabase::~WorkingDatabase() {
-  RemoveDatabase(path_);
-  RemoveDatabase(empty_);
-}
-
-void WorkingDatabase::Commit() {
-  if (HasPendingWrites(target_)) {
-    throw Error(target_.string() +
-                ": another program is writing to this database; close it and run "
-                "the same command again");
-  }
-  if (HasPendingWrites(path_)) Database::Open(path_, Database::Access::kReadWrite);
-  CommitTemporaryFile(path_, target_);
-}
-
-std::vector<std::string> AddPhotos(const PhotoCatalog& catalog,
-                                   const std::optional<Camera>& given_camera, Database* database) {
-  const std::map<ImageId, DatabaseImage> images = database->ReadImages();
+void AddPhotos(const PhotoCatalog& catalog, const std::optional<Camera>& given_camera,
+               const UpdateDatabase& databases) {
+  const DatabaseView view(databases);
+  const std::map<ImageId, DatabaseImage> images = view.ReadImages();
+  std::map<CameraId, DatabaseCamera> cameras = view.ReadCameras();
   std::set<std::string> known;
   for (const auto& [id, image] : images) known.insert(image.name);
   ImageId next_id = images.empty() ? 1 : images.rbegin()->first + 1;
-  std::vector<std::string> added;
-  Database::Transaction transaction(*database);
-  CameraChooser cameras(catalog, given_camera, images, database->ReadCameras(), &transaction);
+  Database draft = Database::Open(databases.draft(), Database::Access::kReadWrite);
+  Database::Transaction transaction(draft);
+  for (const auto& [id, camera] : cameras) transaction.InsertCamera(id, camera);
+  CameraChooser chooser(catalog, given_camera, images, std::move(cameras), &transaction);
   for (const CatalogPhoto& photo : catalog.photos) {
     if (known.count(photo.name) > 0) continue;
-    transaction.InsertImage(next_id++, {photo.name, cameras.For(photo), PriorOf(photo)});
-    added.push_back(photo.name);
+    transaction.InsertImage(next_id++, {photo.name, chooser.For(photo), PriorOf(photo)});
   }
   transaction.Commit();
-  return added;
 }
 
 void ExtractFeatures(const PhotoCatalog& catalog, const fs::path& image_path,
-                     const fs::path& database_path, const fs::path& log_path,
+                     const UpdateDatabase& databases, const fs::path& log_path,
                      const SparseUpdateOptions& options, ColmapProgram* colmap,
                      const JobControl& job) {
-  const std::vector<std::string> names = PhotosWithoutFeatures(catalog, database_path);
-  if (names.empty()) return;
+  const std::map<std::string, ImageId> photos =
+      PhotosWithoutFeatures(catalog, DatabaseView(databases));
+  if (photos.empty()) return;
+  AddRowsToDraft(photos, databases);
+  std::vector<std::string> names;
+  for (const auto& [name, id] : photos) names.push_back(name);
   job.Info("features of " + std::to_string(names.size()) + " photos");
   RequireReadablePhotos(names, image_path, job);
   std::string list;
@@ -236,7 +187,7 @@ void ExtractFeatures(const PhotoCatalog& catalog, const fs::path& image_path,
   const fs::path list_path = log_path.parent_path() / "new_photos.txt";
   WriteFileAtomically(list_path, list);
   colmap->Run("feature_extractor",
-              {{"database_path", database_path.string()},
+              {{"database_path", databases.draft().string()},
                {"image_path", image_path.string()},
                {"image_list_path", list_path.string()},
                {"SiftExtraction.use_gpu", "0"},
@@ -245,10 +196,11 @@ void ExtractFeatures(const PhotoCatalog& catalog, const fs::path& image_path,
                {"SiftExtraction.max_image_size", std::to_string(options.max_image_size)}},
               log_path, job);
   fs::remove(list_path);
-  const std::vector<std::string> left = PhotosWithoutFeatures(catalog, database_path);
+  const std::map<std::string, ImageId> left =
+      PhotosWithoutFeatures(catalog, DatabaseView(databases));
   if (!left.empty()) {
     throw Error(
-        (image_path / left.front()).string() +
+        (image_path / left.begin()->first).string() +
         ": `colmap feature_extractor` could not read this photo; its output: " + log_path.string());
   }
 }

@@ -1,7 +1,8 @@
 #include "mapping_stage.h"
 
 #include <algorithm>
-#include <vector>
+#include <string>
+#include <utility>
 
 #include "colmap_ext/scene/reconstruction_io.h"
 #include "colmap_ext/util/error.h"
@@ -36,58 +37,74 @@ fs::path FreshFolder(const fs::path& folder) {
   return folder;
 }
 
-// The model with most photos in `folder` and the folders in it; the first one in name order of
-// several. Empty when there is none.
-Reconstruction ReadLargestModel(const fs::path& folder) {
-  std::vector<fs::path> candidates = {folder};
+// The models in `folder` and the folders in it, in the order of their names (as numbers).
+std::vector<Reconstruction> ReadModels(const fs::path& folder) {
+  std::vector<fs::path> candidates;
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.is_directory()) candidates.push_back(entry.path());
   }
-  std::sort(candidates.begin(), candidates.end());
-  Reconstruction largest;
+  std::sort(candidates.begin(), candidates.end(), [](const fs::path& a, const fs::path& b) {
+    const std::string x = a.filename().string(), y = b.filename().string();
+    return std::pair(x.size(), x) < std::pair(y.size(), y);
+  });
+  candidates.insert(candidates.begin(), folder);
+  std::vector<Reconstruction> models;
   for (const fs::path& candidate : candidates) {
-    if (!fs::exists(candidate / "images.bin")) continue;
-    Reconstruction model = ReadReconstruction(candidate);
+    if (fs::exists(candidate / "images.bin")) models.push_back(ReadReconstruction(candidate));
+  }
+  return models;
+}
+
+// The model with most photos, the first one of several; empty when there is none.
+Reconstruction Largest(std::vector<Reconstruction> models) {
+  Reconstruction largest;
+  for (Reconstruction& model : models) {
     if (model.images.size() > largest.images.size()) largest = std::move(model);
   }
   return largest;
 }
 
-Reconstruction RunMapper(const MappingPaths& paths, bool refine_intrinsics, bool multiple_models,
-                         ColmapProgram* colmap, const JobControl& job) {
+std::vector<Reconstruction> RunMapper(const MappingPaths& paths, bool refine_intrinsics,
+                                      bool multiple_models, ColmapProgram* colmap,
+                                      const JobControl& job) {
   const fs::path output = FreshFolder(paths.work / "mapper_output");
   ColmapOptions options = FastOptions(paths, refine_intrinsics);
   options.emplace_back("output_path", output.string());
   options.emplace_back("Mapper.multiple_models", multiple_models ? "1" : "0");
   colmap->TryRun("mapper", options, paths.log, job);  // fails when the matches give no model
-  Reconstruction model = ReadLargestModel(output);
+  std::vector<Reconstruction> models = ReadModels(output);
   fs::remove_all(output);
-  return model;
+  return models;
 }
 
 }  // namespace
 
 Reconstruction MapFromScratch(const MappingPaths& paths, bool refine_intrinsics,
                               ColmapProgram* colmap, const JobControl& job) {
-  Reconstruction model = RunMapper(paths, refine_intrinsics, false, colmap, job);
+  Reconstruction model = Largest(RunMapper(paths, refine_intrinsics, false, colmap, job));
   // A few photos that start in a corner may grow no further: let the mapper try other starts.
   constexpr std::size_t kTinyModel = 10;
   if (model.images.empty() || model.images.size() >= kTinyModel) return model;
-  Reconstruction other = RunMapper(paths, refine_intrinsics, true, colmap, job);
+  Reconstruction other = Largest(RunMapper(paths, refine_intrinsics, true, colmap, job));
   return other.images.size() > model.images.size() ? other : model;
 }
 
+std::vector<Reconstruction> MapAll(const MappingPaths& paths, ColmapProgram* colmap,
+                                   const JobControl& job) {
+  return RunMapper(paths, false, true, colmap, job);
+}
+
 Reconstruction ContinueModel(const MappingPaths& paths, const Reconstruction& model,
-                             bool adjust_all, ColmapProgram* colmap, const JobControl& job) {
+                             ColmapProgram* colmap, const JobControl& job) {
   const fs::path input = FreshFolder(paths.work / "mapper_input");
   const fs::path output = FreshFolder(paths.work / "mapper_output");
   WriteReconstructionBinary(model, input);
   ColmapOptions options = FastOptions(paths, false);
   options.emplace_back("input_path", input.string());
   options.emplace_back("output_path", output.string());
-  options.emplace_back("Mapper.fix_existing_images", adjust_all ? "0" : "1");
+  options.emplace_back("Mapper.fix_existing_images", "1");
   colmap->Run("mapper", options, paths.log, job);
-  Reconstruction continued = ReadLargestModel(output);
+  Reconstruction continued = Largest(ReadModels(output));
   if (continued.images.size() < model.images.size()) {
     throw Error("`colmap mapper` lost photos of the model that it was to continue (" +
                 std::to_string(continued.images.size()) + " of " +

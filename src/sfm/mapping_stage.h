@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "colmap_ext/scene/reconstruction.h"
 #include "colmap_ext/sfm/colmap_program.h"
@@ -21,9 +22,13 @@ struct MappingPaths {
 Reconstruction MapFromScratch(const MappingPaths& paths, bool refine_intrinsics,
                               ColmapProgram* colmap, const JobControl& job);
 
-// Registers more photos into `model` and triangulates, intrinsics locked. With `adjust_all` every
-// pose is adjusted, else only the new ones. The result is in the frame of `model`.
+// All models that the mapper makes from the database, in its order.
+std::vector<Reconstruction> MapAll(const MappingPaths& paths, ColmapProgram* colmap,
+                                   const JobControl& job);
+
+// Registers the other photos of the database into `model` and triangulates; old poses and
+// intrinsics stay as they are. The result is in the frame of `model`.
 Reconstruction ContinueModel(const MappingPaths& paths, const Reconstruction& model,
-                             bool adjust_all, ColmapProgram* colmap, const JobControl& job);
+                             ColmapProgram* colmap, const JobControl& job);
 
 }  // namespace colmap_ext

@@ -32,8 +32,8 @@ std::vector<ImageId> ImagesOf(MatchSpan matches) {
 
 // A database of only the photos of a run, named by their ids: the file of matches separates names
 // by blanks, which a photo's own name may hold.
-void WriteRunDatabase(MatchSpan matches, const Database& database, const fs::path& empty_database,
-                      const fs::path& run_database) {
+void WriteRunDatabase(MatchSpan matches, const DatabaseView& database,
+                      const fs::path& empty_database, const fs::path& run_database) {
   Database::Copy(empty_database, run_database);
   Database run = Database::Open(run_database, Database::Access::kReadWrite);
   Database::Transaction transaction(run);
@@ -64,15 +64,13 @@ std::string MatchListText(MatchSpan matches) {
   return text;
 }
 
-std::vector<TwoViewGeometry> VerifyRun(MatchSpan matches, const fs::path& database_path,
-                                       const fs::path& empty_database, const fs::path& folder,
-                                       const fs::path& log_path, ColmapProgram* colmap,
-                                       const JobControl& job) {
+std::vector<TwoViewGeometry> VerifyRun(MatchSpan matches, const UpdateDatabase& databases,
+                                       const fs::path& folder, const fs::path& log_path,
+                                       ColmapProgram* colmap, const JobControl& job) {
   fs::remove_all(folder);
   fs::create_directories(folder);
   const fs::path run_database = folder / "run.db";
-  WriteRunDatabase(matches, Database::Open(database_path, Database::Access::kReadOnly),
-                   empty_database, run_database);
+  WriteRunDatabase(matches, DatabaseView(databases), databases.empty_database(), run_database);
   WriteFileAtomically(folder / "matches.txt", MatchListText(matches));
   colmap->Run("matches_importer",
               {{"database_path", run_database.string()},
@@ -108,7 +106,7 @@ void Store(const std::vector<PairMatches>& all_matches,
 
 }  // namespace
 
-std::vector<PairMatches> MatchImagePairs(const Database& database,
+std::vector<PairMatches> MatchImagePairs(const DatabaseView& database,
                                          const std::vector<ImagePair>& pairs,
                                          const MatchingOptions& options, const JobControl& job) {
   std::map<ImageId, int> index_of_image;
@@ -143,9 +141,8 @@ std::vector<PairMatches> MatchImagePairs(const Database& database,
   return result;
 }
 
-void VerifyAndStore(const std::vector<PairMatches>& all_matches, const fs::path& database_path,
-                    const fs::path& empty_database, const fs::path& work_path,
-                    ColmapProgram* colmap, const JobControl& job) {
+void VerifyAndStore(const std::vector<PairMatches>& all_matches, const UpdateDatabase& databases,
+                    const fs::path& work_path, ColmapProgram* colmap, const JobControl& job) {
   if (all_matches.empty()) return;
   const std::size_t num_runs = (all_matches.size() + kPairsPerRun - 1) / kPairsPerRun;
   std::vector<std::vector<TwoViewGeometry>> runs(num_runs);
@@ -158,9 +155,8 @@ void VerifyAndStore(const std::vector<PairMatches>& all_matches, const fs::path&
     const std::size_t count = std::min(kPairsPerRun, all_matches.size() - begin);
     const std::string name = "verification_" + std::to_string(i);
     try {
-      runs[i] =
-          VerifyRun(MatchSpan(all_matches).subspan(begin, count), database_path, empty_database,
-                    work_path / name, work_path / (name + ".log"), colmap, job);
+      runs[i] = VerifyRun(MatchSpan(all_matches).subspan(begin, count), databases, work_path / name,
+                          work_path / (name + ".log"), colmap, job);
     } catch (...) {
       failures[i] = std::current_exception();
     }
@@ -170,7 +166,7 @@ void VerifyAndStore(const std::vector<PairMatches>& all_matches, const fs::path&
   for (const std::exception_ptr& failure : failures) {
     if (failure) std::rethrow_exception(failure);
   }
-  Store(all_matches, runs, database_path);
+  Store(all_matches, runs, databases.draft());
 }
 
 }  // namespace colmap_ext

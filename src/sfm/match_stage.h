@@ -2,12 +2,12 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <vector>
 
 #include "colmap_ext/scene/database.h"
 #include "colmap_ext/sfm/colmap_program.h"
 #include "colmap_ext/sfm/sparse_update.h"
+#include "update_database.h"
 
 namespace colmap_ext {
 
@@ -17,18 +17,15 @@ struct PairMatches {
 };
 
 // Matches the pairs by the descriptors of the database. Result i belongs to pair i.
-std::vector<PairMatches> MatchImagePairs(const Database& database,
+std::vector<PairMatches> MatchImagePairs(const DatabaseView& database,
                                          const std::vector<ImagePair>& pairs,
                                          const MatchingOptions& options, const JobControl& job);
 
-// Verifies the matches by `colmap matches_importer` and stores both in the database at
-// `database_path`, in one transaction. COLMAP draws its random samples from one sequence for all
-// pairs of a run, so the pairs are split into runs of a fixed size: the same result on every
-// machine, and several runs at once. `empty_database` is one without photos, `work_path` gets the
-// runs' temporary files.
-void VerifyAndStore(const std::vector<PairMatches>& all_matches,
-                    const std::filesystem::path& database_path,
-                    const std::filesystem::path& empty_database,
+// Verifies the matches by `colmap matches_importer` and stores both in the draft, in one
+// transaction. COLMAP draws its random samples from one sequence for all pairs of a run, so the
+// pairs are split into runs of a fixed size: the same result on every machine, and several runs at
+// once. `work_path` gets the runs' temporary files.
+void VerifyAndStore(const std::vector<PairMatches>& all_matches, const UpdateDatabase& databases,
                     const std::filesystem::path& work_path, ColmapProgram* colmap,
                     const JobControl& job);
 

@@ -18,7 +18,7 @@ std::string SparseUpdateOptions::Check() const {
     return "SparseUpdate.refine_intrinsics must be -1, 0 or 1";
   }
   for (const std::string& complaint :
-       {pairing.Check(), matching.Check(), georegistration.Check()}) {
+       {pairing.Check(), matching.Check(), georegistration.Check(), bundle.Check()}) {
     if (!complaint.empty()) return complaint;
   }
   return "";
@@ -38,6 +38,7 @@ void BindOptions(OptionSet& set, SparseUpdateOptions* options) {
   BindOptions(set, &options->pairing);
   BindOptions(set, &options->matching);
   BindOptions(set, &options->georegistration);
+  BindOptions(set, &options->bundle);
 }
 
 SparseState ReadSparseState(const std::filesystem::path& path) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <set>
 
 #include "colmap_ext/scene/database.h"
@@ -12,7 +13,10 @@
 #include "feature_stage.h"
 #include "mapping_stage.h"
 #include "match_stage.h"
+#include "pair_stage.h"
 #include "photo_catalog.h"
+#include "sub_model.h"
+#include "update_database.h"
 #include "view_places.h"
 
 namespace colmap_ext {
@@ -75,8 +79,14 @@ double MeanErrorPx(const Reconstruction& model) {
   return observations == 0 ? 0 : sum / static_cast<double>(observations);
 }
 
+std::map<std::string, ImageId> IdsOf(const std::map<ImageId, DatabaseImage>& images) {
+  std::map<std::string, ImageId> ids;
+  for (const auto& [id, image] : images) ids[image.name] = id;
+  return ids;
+}
+
 // The model speaks of photos by id: they must be the database's.
-void RequireSamePhotos(const Reconstruction& model, const Database& database) {
+void RequireSamePhotos(const Reconstruction& model, const DatabaseView& database) {
   const std::map<ImageId, DatabaseImage> images = database.ReadImages();
   for (const auto& [id, image] : model.images) {
     const auto found = images.find(id);
@@ -103,17 +113,18 @@ class Updater {
       RequireFile(input_.database_path, "database of the given model");
     }
     RequireWritableFolder(input_.work_path, "work folder");
-    WorkingDatabase database(input_.database_path, input_.base_database_path, input_.work_path,
+    UpdateDatabase databases(input_.database_path, input_.base_database_path, input_.work_path,
                              &colmap_, job_);
     result_.frame = input_.frame;
     result_.state = input_.state;
-    ExtractStep(database);
-    MatchStep(database);
-    MapStep(database);
+    ExtractStep(databases);
+    MatchStep(databases);
+    MapStep(databases);
     RequireEnoughPhotos();
     GeoregisterStep();
+    AdjustStep();
     FillReport();
-    database.Commit();
+    SaveStep(&databases);
     return std::move(result_);
   }
 
@@ -131,74 +142,163 @@ class Updater {
     return std::move(result_);
   }
 
-  void ExtractStep(const WorkingDatabase& working) {
+  void ExtractStep(const UpdateDatabase& databases) {
     const StageTimer timer;
-    {
-      Database database = Database::Open(working.path(), Database::Access::kReadWrite);
-      if (input_.model != nullptr) RequireSamePhotos(*input_.model, database);
-      AddPhotos(catalog_, input_.camera, &database);
-    }
-    ExtractFeatures(catalog_, input_.image_path, working.path(), Log("features"), options_,
-                    &colmap_, job_);
+    if (input_.model != nullptr) RequireSamePhotos(*input_.model, DatabaseView(databases));
+    AddPhotos(catalog_, input_.camera, databases);
+    ExtractFeatures(catalog_, input_.image_path, databases, Log("features"), options_, &colmap_,
+                    job_);
     result_.cost_of_step["features"] = timer.Stop();
   }
 
-  void MatchStep(const WorkingDatabase& working) {
+  void MatchStep(const UpdateDatabase& databases) {
     const StageTimer match_timer;
     std::vector<PairMatches> matches;
     {
-      const Database database = Database::Open(working.path(), Database::Access::kReadOnly);
+      const DatabaseView view(databases);
       const std::vector<ImagePair> pairs =
-          ChooseImagePairs(database, catalog_, input_, options_.pairing);
+          ChooseImagePairs(view, catalog_, input_, options_.pairing);
       result_.num_pairs = static_cast<int>(pairs.size());
       job_.Info("matching " + std::to_string(pairs.size()) + " pairs of photos");
-      matches = MatchImagePairs(database, pairs, options_.matching, job_);
+      matches = MatchImagePairs(view, pairs, options_.matching, job_);
     }
     result_.cost_of_step["matching"] = match_timer.Stop();
     const StageTimer verify_timer;
-    VerifyAndStore(matches, working.path(), working.empty_database(), input_.work_path, &colmap_,
-                   job_);
+    VerifyAndStore(matches, databases, input_.work_path, &colmap_, job_);
     result_.cost_of_step["verification"] = verify_timer.Stop();
   }
 
-  void MapStep(const WorkingDatabase& working) {
+  void MapStep(const UpdateDatabase& databases) {
     const StageTimer timer;
-    const MappingPaths paths = {working.path(), input_.image_path, input_.work_path, Log("mapper")};
+    const MappingPaths paths = {databases.draft(), input_.image_path, input_.work_path,
+                                Log("mapper")};
+    const DatabaseView view(databases);
+    ids_ = IdsOf(view.ReadImages());
+    pairs_ = view.TwoViewSummaries();
     if (input_.model == nullptr) {
-      job_.Info("mapping " + std::to_string(catalog_.photos.size()) + " photos");
-      MapFirst(paths);
+      MapFirst(databases, paths);
     } else {
-      Continue(paths);
+      Continue(databases, paths);
     }
+    result_.other_models = MapOtherModels(databases);
     result_.cost_of_step["mapping"] = timer.Stop();
   }
 
-  void MapFirst(const MappingPaths& paths) {
-    const bool refine = RefineIntrinsics(options_, input_, catalog_);
-    result_.model = MapFromScratch(paths, refine, &colmap_, job_);
-    const bool doubtful = refine && options_.refine_intrinsics < 0 && AllFocalsKnown(catalog_);
+  void MapFirst(const UpdateDatabase& databases, const MappingPaths& paths) {
+    job_.Info("mapping " + std::to_string(catalog_.photos.size()) + " photos");
+    std::set<ImageId> all;
+    for (const auto& [name, id] : ids_) all.insert(id);
+    FillForMapper(all, databases, databases.draft());
+    refine_intrinsics_ = RefineIntrinsics(options_, input_, catalog_);
+    result_.model = MapFromScratch(paths, refine_intrinsics_, &colmap_, job_);
+    const bool doubtful =
+        refine_intrinsics_ && options_.refine_intrinsics < 0 && AllFocalsKnown(catalog_);
     if (doubtful && AllLookOneWay(OpticalAxes(result_.model))) {
       job_.Info("all photos look one way: mapping again with the focal length of EXIF");
+      refine_intrinsics_ = false;
       result_.model = MapFromScratch(paths, false, &colmap_, job_);
     }
-    result_.state.photos_at_last_adjustment = static_cast<int>(result_.model.images.size());
   }
 
-  void Continue(const MappingPaths& paths) {
-    const int old_count = static_cast<int>(input_.model->images.size());
-    const std::vector<std::string> untried =
-        UntriedPhotos(MissingPhotos(catalog_, *input_.model), input_.state);
-    const int adjusted = input_.state.photos_at_last_adjustment > 0
-                             ? input_.state.photos_at_last_adjustment
-                             : old_count;
-    const double growth =
-        static_cast<double>(old_count + static_cast<int>(untried.size()) - adjusted) / adjusted;
+  // The mapper continues the part of the model that the new photos match.
+  void Continue(const UpdateDatabase& databases, const MappingPaths& paths) {
+    result_.model = *input_.model;
+    std::set<ImageId> untried;
+    for (const std::string& name :
+         UntriedPhotos(MissingPhotos(catalog_, *input_.model), input_.state)) {
+      untried.insert(ids_.at(name));
+    }
+    const UpdateScope scope = ChooseScope(*input_.model, pairs_, untried);
+    job_.Info("mapping " + std::to_string(scope.missing.size()) + " more photos beside " +
+              std::to_string(scope.registered.size()) + " of the model");
+    if (scope.registered.empty()) return;  // nothing that they match
+    std::set<ImageId> all = scope.registered;
+    all.insert(scope.missing.begin(), scope.missing.end());
+    FillForMapper(all, databases, databases.draft());
+    const Reconstruction before = SubModel(*input_.model, scope.registered);
+    const Reconstruction after = ContinueModel(paths, before, &colmap_, job_);
+    merged_ = MergeSubModel(before, after, &result_.model);
+  }
+
+  // What photos that stay out make by themselves.
+  std::vector<std::vector<std::string>> MapOtherModels(const UpdateDatabase& databases) {
+    std::set<ImageId> missing;
+    for (const std::string& name : MissingPhotos(catalog_, result_.model)) {
+      missing.insert(ids_.at(name));
+    }
+    std::set<ImageId> joined;
+    for (const auto& [pair, summary] : pairs_) {
+      if (summary.num_inliers < kMinInliers) continue;
+      if (missing.count(pair.first) == 0 || missing.count(pair.second) == 0) continue;
+      joined.insert({pair.first, pair.second});
+    }
+    if (joined.size() < kMinRegistered || result_.model.images.empty()) return {};
+    const std::filesystem::path path = input_.work_path / "others.db";
+    std::filesystem::remove(path);
+    Database::Copy(databases.empty_database(), path);
+    FillForMapper(joined, databases, path);
+    std::vector<std::vector<std::string>> groups;
+    for (const Reconstruction& model : MapAll(
+             {path, input_.image_path, input_.work_path, Log("mapper_others")}, &colmap_, job_)) {
+      const std::set<std::string> names = NamesOf(model);
+      if (names.size() >= kMinRegistered) groups.emplace_back(names.begin(), names.end());
+    }
+    for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(path.string() + suffix);
+    std::stable_sort(groups.begin(), groups.end(),
+                     [](const auto& a, const auto& b) { return a.size() > b.size(); });
+    return groups;
+  }
+
+  // All poses after the first mapping and after enough growth, else those of the new photos with
+  // the points that changed.
+  void AdjustStep() {
+    const StageTimer timer;
+    const int count = static_cast<int>(result_.model.images.size());
+    int& adjusted = result_.state.photos_at_last_adjustment;
+    if (input_.model != nullptr && adjusted == 0) {
+      adjusted = static_cast<int>(input_.model->images.size());  // by whoever made it
+    }
+    const double growth = adjusted == 0 ? std::numeric_limits<double>::infinity()
+                                        : static_cast<double>(count - adjusted) / adjusted;
+    BundleSelection selection;
+    BundleOptions bundle = options_.bundle;
     const bool adjust_all = growth > options_.adjust_after_growth;
-    job_.Info("mapping " + std::to_string(untried.size()) + " more photos" +
-              (adjust_all ? ", adjusting all poses" : ""));
-    result_.model = ContinueModel(paths, *input_.model, adjust_all, &colmap_, job_);
-    result_.state.photos_at_last_adjustment =
-        adjust_all ? static_cast<int>(result_.model.images.size()) : adjusted;
+    if (adjust_all) {
+      job_.Info("adjusting all " + std::to_string(count) + " poses");
+      bundle.refine_focal_length |= refine_intrinsics_;
+      bundle.refine_extra_params |= refine_intrinsics_;
+      adjusted = count;
+    } else {
+      selection.free_images = merged_.new_images;
+      selection.free_points = merged_.changed_points;
+      if (selection.free_points->empty()) return;
+    }
+    selection.prior_of_image = Priors();
+    const BundleResult fit = AdjustBundle(selection, bundle, job_, &result_.model);
+    if (adjust_all) result_.adjustment_of_all = fit;
+    result_.cost_of_step["adjustment"] = timer.Stop();
+  }
+
+  // Measured positions of the photos of the model, once it is in their world.
+  std::map<ImageId, PhotoPrior> Priors() const {
+    std::map<ImageId, PhotoPrior> priors;
+    const bool same_frame = result_.frame.origin.has_value() == catalog_.origin.has_value();
+    if (!result_.frame.is_metric_enu || !same_frame) return priors;
+    for (const CatalogPhoto& photo : catalog_.photos) {
+      const ImageId id = ids_.at(photo.name);
+      if (!photo.position_in_world || result_.model.images.count(id) == 0) continue;
+      priors[id].position_in_world = photo.position_in_world;
+    }
+    return priors;
+  }
+
+  void SaveStep(UpdateDatabase* databases) {
+    const StageTimer timer;
+    databases->Commit();
+    // COLMAP's frames of these photos are the database's, whatever the draft called them.
+    result_.model.frame_table =
+        Database::Open(input_.database_path, Database::Access::kReadOnly).ReadFrameTable();
+    result_.cost_of_step["saving"] = timer.Stop();
   }
 
   void RequireEnoughPhotos() const {
@@ -254,6 +354,11 @@ class Updater {
                 " photos did not register (tried again when more photos come): " +
                 NameList(result_.unregistered));
     }
+    for (const std::vector<std::string>& names : result_.other_models) {
+      job_.Warn(std::to_string(names.size()) +
+                " of them make a model of their own, which no photo joins to this one yet: " +
+                NameList(names));
+    }
   }
 
   std::filesystem::path Log(const std::string& step) const {
@@ -266,6 +371,10 @@ class Updater {
   ColmapProgram colmap_;
   PhotoCatalog catalog_;
   SparseUpdateResult result_;
+  std::map<std::string, ImageId> ids_;         // in the database, by name
+  std::map<ImagePair, TwoViewSummary> pairs_;  // ... verified
+  MergedPart merged_;
+  bool refine_intrinsics_ = false;
 };
 
 }  // namespace

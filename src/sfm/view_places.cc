@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
 namespace colmap_ext {
 namespace {
@@ -28,6 +27,8 @@ std::map<std::string, Rigid3d> TrustedPoses(const SparseUpdateInput& input,
   return poses;
 }
 
+}  // namespace
+
 std::vector<PhotoPlace> PlacesOf(const SparseUpdateInput& input, const PhotoCatalog& catalog) {
   const std::map<std::string, Rigid3d> poses = TrustedPoses(input, catalog);
   std::vector<PhotoPlace> places;
@@ -44,42 +45,6 @@ std::vector<PhotoPlace> PlacesOf(const SparseUpdateInput& input, const PhotoCata
     places.push_back(place);
   }
   return places;
-}
-
-}  // namespace
-
-std::vector<ImagePair> ChooseImagePairs(const Database& database, const PhotoCatalog& catalog,
-                                        const SparseUpdateInput& input,
-                                        const PairingOptions& options) {
-  std::map<std::string, ImageId> id_of_name;
-  for (const auto& [id, image] : database.ReadImages()) id_of_name[image.name] = id;
-  std::vector<ImageId> ids;
-  std::map<ImageId, int> index_of_id;
-  for (const CatalogPhoto& photo : catalog.photos) {
-    ids.push_back(id_of_name.at(photo.name));
-    index_of_id[ids.back()] = static_cast<int>(ids.size()) - 1;
-  }
-  std::set<ImagePair> known;
-  for (const auto& [pair, count] : database.NumMatches()) known.insert(pair);
-  for (const auto& [pair, summary] : database.TwoViewSummaries()) known.insert(pair);
-  std::vector<bool> is_new(ids.size(), true);
-  std::set<PhotoPair> existing;
-  for (const ImagePair& pair : known) {
-    const auto first = index_of_id.find(pair.first), second = index_of_id.find(pair.second);
-    for (const auto& found : {first, second}) {
-      if (found != index_of_id.end()) is_new[static_cast<std::size_t>(found->second)] = false;
-    }
-    if (first == index_of_id.end() || second == index_of_id.end()) continue;
-    existing.insert(
-        {std::min(first->second, second->second), std::max(first->second, second->second)});
-  }
-  std::vector<ImagePair> pairs;
-  for (const PhotoPair& pair : ChoosePairs(PlacesOf(input, catalog), is_new, existing, options)) {
-    const ImageId a = ids[static_cast<std::size_t>(pair.first)];
-    const ImageId b = ids[static_cast<std::size_t>(pair.second)];
-    pairs.emplace_back(std::min(a, b), std::max(a, b));
-  }
-  return pairs;
 }
 
 std::vector<MeasuredCamera> MeasuredCamerasOf(const Reconstruction& model,

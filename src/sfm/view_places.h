@@ -3,17 +3,14 @@
 
 #include <vector>
 
-#include "colmap_ext/scene/database.h"
 #include "colmap_ext/sfm/sparse_update.h"
 #include "photo_catalog.h"
 
 namespace colmap_ext {
 
-// Pairs of photos that are worth matching and not in the database yet: at least one of each was
-// never matched with anything.
-std::vector<ImagePair> ChooseImagePairs(const Database& database, const PhotoCatalog& catalog,
-                                        const SparseUpdateInput& input,
-                                        const PairingOptions& options);
+// Where the photos of the catalog are, in its order: from the model of `input` where it has them
+// and is in the frame of the catalog, else from what was measured.
+std::vector<PhotoPlace> PlacesOf(const SparseUpdateInput& input, const PhotoCatalog& catalog);
 
 // Registered photos with a measured position, in name order.
 std::vector<MeasuredCamera> MeasuredCamerasOf(const Reconstruction& model,

@@ -9,9 +9,12 @@
 
 #include "colmap_ext/scene/database.h"
 #include "colmap_ext/scene/reconstruction_io.h"
+#include "colmap_ext/sfm/colmap_program.h"
+#include "colmap_ext/util/child_process.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
 #include "sfm/textured_photos.h"
+#include "sfm/update_lock.h"
 
 namespace colmap_ext {
 namespace {
@@ -138,6 +141,7 @@ TEST_F(SparseUpdate, AdjustsAllPosesAfterGrowthAndKeepsTheFrame) {
   input.camera = TrueCamera();
   const SparseUpdateResult first = UpdateSparseModel(input, {}, {});
   EXPECT_EQ(first.state.photos_at_last_adjustment, 8);
+  EXPECT_TRUE(first.adjustment_of_all);
   WriteArcPhotos(images(), 8, 12);
   input.model = &first.model;
   input.frame = first.frame;
@@ -257,6 +261,112 @@ TEST_F(SparseUpdate, RefusesPhotosThatDoNotOverlapAndKeepsTheOldDatabase) {
   std::ofstream(Input("broken").database_path) << "this is no database";
   EXPECT_NE(MessageOf(Input("broken")).find("broken.db"), std::string::npos);
   EXPECT_EQ(ReadFile(Input("broken").database_path), "this is no database");
+}
+
+TEST_F(SparseUpdate, BuildsOnTheFeaturesAndMatchesOfPlainColmap) {
+  WriteArcPhotos(images(), 0, 8);
+  const fs::path theirs = folder_ / "theirs.db";
+  ColmapProgram colmap("");
+  const fs::path log = folder_ / "colmap.log";
+  colmap.Run("feature_extractor",
+             {{"database_path", theirs.string()},
+              {"image_path", images().string()},
+              {"ImageReader.single_camera", "1"},
+              {"SiftExtraction.use_gpu", "0"}},
+             log, {});
+  colmap.Run("exhaustive_matcher",
+             {{"database_path", theirs.string()}, {"SiftMatching.use_gpu", "0"}}, log, {});
+  const std::string bytes = ReadFile(theirs);
+
+  SparseUpdateInput input = Input("ours");
+  input.base_database_path = theirs;
+  const SparseUpdateResult first = UpdateSparseModel(input, {}, {});
+  EXPECT_EQ(first.registered.size(), 8u);
+  EXPECT_EQ(first.num_pairs, 0);  // all were matched
+  WriteArcPhotos(images(), 8, 10);
+  input.base_database_path.clear();
+  input.model = &first.model;
+  input.frame = first.frame;
+  input.state = first.state;
+  EXPECT_EQ(UpdateSparseModel(input, {}, {}).registered.size(), 10u);
+  EXPECT_TRUE(ReadFile(theirs) == bytes);
+  const Database kept = Database::Open(theirs, Database::Access::kReadOnly);
+  const Database ours = Database::Open(input.database_path, Database::Access::kReadOnly);
+  for (const auto& [id, count] : kept.NumKeypoints()) {
+    EXPECT_TRUE(kept.ReadKeypoints(id) == ours.ReadKeypoints(id));
+  }
+  for (const auto& [pair, count] : kept.NumMatches()) {
+    EXPECT_EQ(kept.ReadMatches(pair), ours.ReadMatches(pair));
+  }
+}
+
+// Photos at both ends of a wide arc, then those between.
+TEST_F(SparseUpdate, NamesAnotherModelAndJoinsItWhenPhotosBridgeTheGap) {
+  WriteArcPhotos(images(), 0, 8);
+  WriteArcPhotos(images(), 18, 23);
+  SparseUpdateInput input = Input();
+  input.camera = TrueCamera();
+  const SparseUpdateResult first = UpdateSparseModel(input, {}, {});
+  ASSERT_EQ(first.registered.size(), 8u);
+  ASSERT_EQ(first.other_models.size(), 1u);
+  EXPECT_EQ(first.other_models[0], first.unregistered);
+  EXPECT_EQ(first.unregistered.front(), ArcName(18));
+
+  WriteArcPhotos(images(), 8, 18);
+  input.model = &first.model;
+  input.frame = first.frame;
+  input.state = first.state;
+  const SparseUpdateResult second = UpdateSparseModel(input, {}, {});
+  EXPECT_EQ(second.registered.size(), 23u);
+  EXPECT_TRUE(second.unregistered.empty());
+  EXPECT_TRUE(second.other_models.empty());
+  EXPECT_LT(WorstPosition(second.model, second.frame), 0.2);
+}
+
+TEST_F(SparseUpdate, RefusesASecondUpdateOfTheSameDatabase) {
+  WriteArcPhotos(images(), 0, 4);
+  const UpdateLock held(Input().database_path);
+  EXPECT_NE(MessageOf(Input()).find("another update"), std::string::npos);
+}
+
+TEST_F(SparseUpdate, WritesWhatColmapsOwnCommandsAccept) {
+  WriteArcPhotos(images(), 0, 8);
+  SparseUpdateInput input = Input();
+  input.camera = TrueCamera();
+  const SparseUpdateResult first = UpdateSparseModel(input, {}, {});
+  WriteReconstructionBinary(first.model, folder_ / "first");
+  WriteArcPhotos(images(), 8, 11);
+  input.model = &first.model;
+  input.frame = first.frame;
+  input.state = first.state;
+  const SparseUpdateResult second = UpdateSparseModel(input, {}, {});
+  ASSERT_EQ(second.registered.size(), 11u);
+  WriteReconstructionBinary(second.model, folder_ / "second");
+  fs::create_directories(folder_ / "out");
+  const fs::path log = folder_ / "colmap.log";
+  const std::string model = (folder_ / "second").string(), out = (folder_ / "out").string();
+  ColmapProgram colmap("");
+  colmap.Run("model_analyzer", {{"path", model}}, log, {});
+  EXPECT_NE(ReadFile(log).find("Registered images: 11"), std::string::npos) << ReadFile(log);
+  const auto run = [&](const std::vector<std::string>& arguments) {
+    ChildProcessOptions options;
+    options.arguments = {colmap.path().string()};
+    options.arguments.insert(options.arguments.end(), arguments.begin(), arguments.end());
+    options.environment["QT_QPA_PLATFORM"] = "offscreen";
+    const ChildProcessResult result = RunChildProcess(options, {});
+    EXPECT_EQ(result.exit_code, 0) << arguments[0] << ": " << result.output;
+    return result.output;
+  };
+  run({"model_comparer", "--input_path1", (folder_ / "first").string(), "--input_path2", model,
+       "--output_path", out});
+  run({"bundle_adjuster", "--input_path", model, "--output_path", out,
+       "--BundleAdjustment.max_num_iterations", "3"});
+  EXPECT_EQ(ReadReconstruction(out).images.size(), 11u);
+  const fs::path empty = folder_ / "empty.db", merged = folder_ / "merged.db";
+  run({"database_creator", "--database_path", empty.string()});
+  run({"database_merger", "--database_path1", input.database_path.string(), "--database_path2",
+       empty.string(), "--merged_database_path", merged.string()});
+  EXPECT_EQ(Database::Open(merged, Database::Access::kReadOnly).ReadImages().size(), 11u);
 }
 
 TEST(SparseState, ComesBackAndDefaultsWhenThereIsNone) {

@@ -12,6 +12,7 @@
 #include "colmap_ext/geom/geodesy.h"
 #include "colmap_ext/scene/reconstruction.h"
 #include "colmap_ext/scene/world_frame.h"
+#include "colmap_ext/sfm/bundle_adjustment.h"
 #include "colmap_ext/sfm/georegistration.h"
 #include "colmap_ext/sfm/matching.h"
 #include "colmap_ext/sfm/pairing.h"
@@ -28,7 +29,9 @@ struct SparseUpdateOptions {
   int max_num_features = 4096;  // a photo, the largest ones are kept; >= 100
   int max_image_size = 3200;    // longer side, px; larger photos are scaled down for SIFT; >= 100
   // When the photos registered since the last adjustment of all poses exceed this part of those
-  // that were adjusted, all poses are adjusted again, else only the new ones; [0, 10].
+  // that were adjusted, all poses are adjusted again, else only the new ones: an update costs what
+  // its photos cost, and the adjustments of all, spread over the photos between them, the same at
+  // every size; [0, 10].
   double adjust_after_growth = 0.15;
   // Whether focal length and distortion are estimated when the first model is made: 0 no, 1 yes, -1
   // yes unless the camera was given, or all photos look one way (the focal length of flat ground
@@ -37,10 +40,11 @@ struct SparseUpdateOptions {
   PairingOptions pairing;
   MatchingOptions matching;
   GeoregistrationOptions georegistration;
+  BundleOptions bundle;
 
   std::string Check() const;
 };
-// Sections "SparseUpdate", "Pairing", "Matching", "Georegistration".
+// Sections "SparseUpdate", "Pairing", "Matching", "Georegistration", "BundleAdjustment".
 void BindOptions(OptionSet& set, SparseUpdateOptions* options);
 
 // What has to be remembered between updates, beside the database and the model.
@@ -81,22 +85,30 @@ struct SparseUpdateResult {
   std::vector<std::string> registered;  // names, sorted
   std::vector<std::string> newly_registered;  // ... those that the given model did not have
   std::vector<std::string> unregistered;      // photos of the folder that the model does not have
+  // Groups of them that make a model of their own, which nothing joins to this one yet (names,
+  // sorted; largest first). Photos that see both let a later call register them.
+  std::vector<std::vector<std::string>> other_models;
   // Only when this call georegistered the model, or tried to.
   std::optional<GeoregistrationResult> georegistration;
   double mean_error_px = 0;  // reprojection, over all observations
   int num_pairs = 0;         // matched in this call
-  // features, matching, verification, mapping, georegistration
+  // The last adjustment of all poses in this call, if there was one.
+  std::optional<BundleResult> adjustment_of_all;
+  // features, matching, verification, mapping, georegistration, adjustment, saving
   std::map<std::string, StageCost> cost_of_step;
 };
 
 // Extracts, matches and registers the photos of `image_path` that the database and the model do not
-// have yet. Old poses never jump: a given model keeps its gauge. The database is replaced in one
-// step when all is done, the given model is not touched; the same input gives the same result on
-// every run. Photos that do not register are named and tried again by the next call that brings new
-// photos. The result is in metres (frame.is_metric_enu) when at least 3 registered photos have
-// positions that determine it; otherwise `job` is warned why not.
-// Throws Error when there is no `colmap` or no photo, a photo cannot be read, fewer than 3 photos
-// register, or a step of COLMAP fails; UsageError for invalid options.
+// have yet. COLMAP's mapper works on the part of the model that they match; time and memory follow
+// the number of new photos (see adjust_after_growth). Old poses never jump: between adjustments of
+// all they keep every bit, and a given model keeps its gauge. The database is changed in one
+// transaction when all is done, the given model is not touched; the same input gives the same
+// result on every run. Photos that do not register are named and tried again by the next call that
+// brings photos they match. The result is in metres (frame.is_metric_enu) when at least 3
+// registered photos have positions that determine it; otherwise `job` is warned why not. Throws
+// Error when there is no `colmap` or no photo, a photo cannot be read, fewer than 3 photos
+// register, another update of this database is running, or a step of COLMAP fails; UsageError for
+// invalid options.
 SparseUpdateResult UpdateSparseModel(const SparseUpdateInput& input,
                                      const SparseUpdateOptions& options, const JobControl& job);
 

@@ -9,31 +9,47 @@
 namespace colmap_ext {
 namespace {
 
-// Later spellings of 3.8's options, tried in this order after the original.
+// Later spellings of 3.8's options, tried in this order after the original. From 3.9 on, the
+// verification of pairs has options of its own; 4.x parted kinds of features, rigs and solvers.
 const std::map<std::string, std::vector<std::string>>& LaterSpellings() {
   static const std::map<std::string, std::vector<std::string>> spellings = {
+      {"random_seed", {"default_random_seed"}},
+      {"image_list_path", {"Mapper.image_list_path"}},
       {"SiftExtraction.use_gpu", {"FeatureExtraction.use_gpu"}},
       {"SiftExtraction.num_threads", {"FeatureExtraction.num_threads"}},
       {"SiftExtraction.max_image_size", {"FeatureExtraction.max_image_size"}},
       {"SiftMatching.use_gpu", {"FeatureMatching.use_gpu"}},
       {"SiftMatching.num_threads", {"FeatureMatching.num_threads"}},
+      {"SiftMatching.max_num_matches", {"FeatureMatching.max_num_matches"}},
+      {"SiftMatching.guided_matching", {"FeatureMatching.guided_matching"}},
       {"SiftMatching.max_error", {"TwoViewGeometry.max_error"}},
+      {"SiftMatching.confidence", {"TwoViewGeometry.confidence"}},
+      {"SiftMatching.max_num_trials", {"TwoViewGeometry.max_num_trials"}},
       {"SiftMatching.min_num_inliers", {"TwoViewGeometry.min_num_inliers"}},
       {"SiftMatching.min_inlier_ratio", {"TwoViewGeometry.min_inlier_ratio"}},
+      {"SiftMatching.multiple_models", {"TwoViewGeometry.multiple_models"}},
       {"Mapper.fix_existing_images", {"Mapper.fix_existing_frames"}},
       {"Mapper.ba_global_images_ratio", {"Mapper.ba_global_frames_ratio"}},
       {"Mapper.ba_global_images_freq", {"Mapper.ba_global_frames_freq"}},
-      {"image_list_path", {"Mapper.image_list_path"}},
+      {"Mapper.snapshot_images_freq", {"Mapper.snapshot_frames_freq"}},
+      {"Mapper.local_ba_min_tri_angle", {"Mapper.ba_local_min_tri_angle"}},
+      {"BundleAdjustment.refine_extrinsics", {"BundleAdjustment.refine_rig_from_world"}},
       {"BundleAdjustment.max_num_iterations", {"BundleAdjustmentCeres.max_num_iterations"}},
       {"BundleAdjustment.function_tolerance", {"BundleAdjustmentCeres.function_tolerance"}},
+      {"BundleAdjustment.gradient_tolerance", {"BundleAdjustmentCeres.gradient_tolerance"}},
+      {"BundleAdjustment.parameter_tolerance", {"BundleAdjustmentCeres.parameter_tolerance"}},
+      {"robust_alignment_max_error", {"alignment_max_error"}},
   };
   return spellings;
 }
 
-// Options that only tune speed or noise of the log: left out where a version lacks them.
+// Options that only tune speed or noise of the log, and those whose meaning later versions took
+// into another option (`robust_alignment`: an error limit above 0 says it): left out where a
+// version lacks them.
 bool OnlyTunes(const std::string& option) {
   static const std::set<std::string> tuning = {
       "random_seed",
+      "robust_alignment",
       "Mapper.extract_colors",
       "Mapper.num_threads",
       "Mapper.ba_global_images_ratio",
@@ -44,7 +60,9 @@ bool OnlyTunes(const std::string& option) {
       "Mapper.ba_local_max_num_iterations",
       "Mapper.ba_local_max_refinements",
       "BundleAdjustment.function_tolerance",
+      "BundleAdjustment.gradient_tolerance",
       "BundleAdjustment.max_num_iterations",
+      "BundleAdjustment.parameter_tolerance",
   };
   return tuning.count(option) > 0;
 }

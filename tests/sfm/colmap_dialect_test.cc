@@ -24,37 +24,67 @@ std::string OptionHelp(const std::vector<std::string>& options) {
 }
 
 using Helps = std::map<std::string, std::string>;
+using Strings = std::vector<std::string>;
 
-Helps Version38() {
-  return {{"help", HelpOf("3.8", {"feature_extractor", "matches_importer", "mapper"})},
-          {"feature_extractor", OptionHelp({"image_list_path", "SiftExtraction.use_gpu"})},
-          {"matches_importer", OptionHelp({"SiftMatching.use_gpu", "SiftMatching.max_error"})},
-          {"mapper", OptionHelp({"image_list_path", "Mapper.fix_existing_images",
-                                 "Mapper.ba_global_images_ratio", "Mapper.extract_colors"})}};
+const Strings& Commands() {
+  static const Strings commands = {"feature_extractor", "matches_importer", "mapper",
+                                   "bundle_adjuster", "model_aligner"};
+  return commands;
 }
 
+// Facts of Debian 12's colmap 3.8.
+Helps Version38() {
+  return {
+      {"help", HelpOf("3.8", Commands())},
+      {"feature_extractor",
+       OptionHelp({"random_seed", "image_list_path", "SiftExtraction.use_gpu",
+                   "SiftExtraction.num_threads", "SiftExtraction.max_image_size",
+                   "SiftExtraction.first_octave"})},
+      {"matches_importer",
+       OptionHelp({"random_seed", "match_type", "SiftMatching.use_gpu", "SiftMatching.max_error"})},
+      {"mapper", OptionHelp({"random_seed", "image_list_path", "Mapper.fix_existing_images",
+                             "Mapper.ba_global_images_ratio", "Mapper.extract_colors"})},
+      {"bundle_adjuster",
+       OptionHelp({"BundleAdjustment.max_num_iterations", "BundleAdjustment.refine_extrinsics"})},
+      {"model_aligner", OptionHelp({"ref_is_gps", "alignment_type", "robust_alignment",
+                                    "robust_alignment_max_error"})}};
+}
+
+// Of Debian 13's, 3.10-dev.
 Helps Version310() {
   Helps helps = Version38();
-  helps["help"] = "I20250101 12:00:00.1 1 colmap.cc:1] start\n" +
-                  HelpOf("3.10", {"feature_extractor", "matches_importer", "mapper"});
+  Strings commands = Commands();
+  commands.push_back("pose_prior_mapper");
+  helps["help"] = "I20250101 12:00:00.1 1 colmap.cc:1] start\n" + HelpOf("3.10-dev", commands);
+  helps["matches_importer"] = OptionHelp(
+      {"random_seed", "match_type", "SiftMatching.use_gpu", "TwoViewGeometry.max_error"});
+  helps["model_aligner"] = OptionHelp({"ref_is_gps", "alignment_type", "alignment_max_error"});
   return helps;
 }
 
+// Of Debian unstable's, 4.2.1.
 Helps Version42() {
-  return {
-      {"help", HelpOf("4.2.1", {"feature_extractor", "matches_importer", "mapper", "global_mapper",
-                                "geometric_verifier"})},
-      {"feature_extractor", OptionHelp({"image_list_path", "FeatureExtraction.use_gpu"})},
-      {"matches_importer", OptionHelp({"FeatureMatching.use_gpu", "TwoViewGeometry.max_error"})},
-      {"mapper", OptionHelp({"Mapper.image_list_path", "Mapper.fix_existing_frames",
-                             "Mapper.ba_global_frames_ratio"})}};
+  Strings commands = Commands();
+  commands.insert(commands.end(), {"global_mapper", "geometric_verifier", "pose_prior_mapper"});
+  return {{"help", "I20260101 12:00:00.1 1 option_manager.cc:1] COLMAP 4.2.1 (Commit Unknown)\n" +
+                       HelpOf("4.2.1", commands)},
+          {"feature_extractor",
+           OptionHelp({"default_random_seed", "image_list_path", "FeatureExtraction.use_gpu",
+                       "FeatureExtraction.num_threads", "FeatureExtraction.max_image_size",
+                       "SiftExtraction.first_octave"})},
+          {"matches_importer", OptionHelp({"default_random_seed", "FeatureMatching.use_gpu",
+                                           "TwoViewGeometry.max_error"})},
+          {"mapper", OptionHelp({"default_random_seed", "Mapper.image_list_path",
+                                 "Mapper.fix_existing_frames", "Mapper.ba_global_frames_ratio"})},
+          {"bundle_adjuster", OptionHelp({"BundleAdjustmentCeres.max_num_iterations",
+                                          "BundleAdjustment.refine_rig_from_world"})},
+          {"model_aligner", OptionHelp({"ref_is_gps", "alignment_type", "alignment_max_error"})},
+          {"global_mapper", OptionHelp({"GlobalMapper.image_list_path"})}};
 }
 
 ColmapDialect DialectOf(const Helps& helps) {
   return ColmapDialect([helps](const std::string& command) { return helps.at(command); });
 }
-
-using Strings = std::vector<std::string>;
 
 TEST(ColmapDialect, ReadsTheVersion) {
   EXPECT_EQ(DialectOf(Version38()).version(), "3.8");
@@ -83,6 +113,39 @@ TEST(ColmapDialect, SpellsAs4xDoes) {
                                          {"Mapper.ba_global_images_ratio", "1.4"}}),
             (Strings{"--Mapper.image_list_path", "a", "--Mapper.fix_existing_frames", "1",
                      "--Mapper.ba_global_frames_ratio", "1.4"}));
+}
+
+TEST(ColmapDialect, SpellsAs310Does) {
+  ColmapDialect dialect = DialectOf(Version310());
+  EXPECT_EQ(dialect.Arguments("matches_importer",
+                              {{"SiftMatching.use_gpu", "0"}, {"SiftMatching.max_error", "2"}}),
+            (Strings{"--SiftMatching.use_gpu", "0", "--TwoViewGeometry.max_error", "2"}));
+  EXPECT_EQ(dialect.Arguments("mapper", {{"Mapper.fix_existing_images", "1"}}),
+            (Strings{"--Mapper.fix_existing_images", "1"}));
+  EXPECT_TRUE(dialect.HasCommand("pose_prior_mapper"));
+  EXPECT_FALSE(dialect.HasCommand("global_mapper"));
+}
+
+TEST(ColmapDialect, ASeedAndALimitOfErrorsGoToEveryVersion) {
+  for (const Helps& helps : {Version38(), Version310(), Version42()}) {
+    ColmapDialect dialect = DialectOf(helps);
+    const bool is_38 = dialect.version() == "3.8";
+    const std::string seed =
+        dialect.version() == "4.2.1" ? "--default_random_seed" : "--random_seed";
+    EXPECT_EQ(dialect.Arguments("mapper", {{"random_seed", "7"}}), (Strings{seed, "7"}));
+    EXPECT_EQ(dialect.Arguments("model_aligner",
+                                {{"robust_alignment", "1"}, {"robust_alignment_max_error", "3"}}),
+              is_38 ? (Strings{"--robust_alignment", "1", "--robust_alignment_max_error", "3"})
+                    : (Strings{"--alignment_max_error", "3"}));
+  }
+}
+
+TEST(ColmapDialect, SpellsTheSolverAs4xDoes) {
+  ColmapDialect dialect = DialectOf(Version42());
+  EXPECT_EQ(dialect.Arguments("bundle_adjuster", {{"BundleAdjustment.max_num_iterations", "9"},
+                                                  {"BundleAdjustment.refine_extrinsics", "0"}}),
+            (Strings{"--BundleAdjustmentCeres.max_num_iterations", "9",
+                     "--BundleAdjustment.refine_rig_from_world", "0"}));
 }
 
 TEST(ColmapDialect, LeavesOutWhatOnlyTunesAndRefusesWhatTheResultNeeds) {

@@ -80,6 +80,8 @@ std::string SuperpixelStereoOptions::Check() const {
       .In("occlusion_tolerance", occlusion_tolerance, kTiny, 1)
       .In("fusion_weight", fusion_weight, kTiny, 1e6)
       .In("fusion_passes", fusion_passes, 0, 50)
+      .In("fusion_tolerance", fusion_tolerance, 0, 1)
+      .In("fusion_moving_share", fusion_moving_share, 0, 1)
       .In("fixed_confidence", fixed_confidence, 0, 1)
       .In("fusion_color_sigma", fusion_color_sigma, 1, 1000)
       .In("fusion_space_tolerance", fusion_space_tolerance, kTiny, 1)
@@ -117,7 +119,11 @@ void BindOptions(OptionSet& set, SuperpixelStereoOptions* options) {
   set.Add(section, "fusion_weight", &options->fusion_weight,
           "lambda_u, agreement with corresponding facets of neighbours (> 0)");
   set.Add(section, "fusion_passes", &options->fusion_passes,
-          "passes of multi-view fusion (0 to 50)");
+          "passes of multi-view fusion, at most (0 to 50)");
+  set.Add(section, "fusion_tolerance", &options->fusion_tolerance,
+          "a facet moves when its depth changes by more than this share (0 to 1)");
+  set.Add(section, "fusion_moving_share", &options->fusion_moving_share,
+          "fusion ends when a smaller share of every view's facets moves (0 to 1)");
   set.Add(section, "fixed_confidence", &options->fixed_confidence,
           "facets with a higher confidence keep their depth in fusion (0 to 1)");
   set.Add(section, "fusion_color_sigma", &options->fusion_color_sigma,

@@ -31,9 +31,13 @@ struct SuperpixelStereoOptions {
                                       // occluded and no witness; (0, 1]
 
   // Fusion.
-  double fusion_weight = 1.0;     // λ_u of the paper; (0, 1e6]
-  int fusion_passes = 3;          // 0: none; [0, 50]
-  double fixed_confidence = 0.5;  // facets above keep their depth (paper: 0.5); [0, 1]
+  double fusion_weight = 1.0;  // λ_u of the paper; (0, 1e6]
+  int fusion_passes = 3;       // at most; 0: none; [0, 50]
+  // Passes end earlier when fewer than fusion_moving_share of the facets of every view move by more
+  // than fusion_tolerance of their depth.
+  double fusion_tolerance = 0.002;     // [0, 1]
+  double fusion_moving_share = 0.005;  // [0, 1]
+  double fixed_confidence = 0.5;       // facets above keep their depth (paper: 0.5); [0, 1]
   double fusion_color_sigma =
       30.0;  // colour proximity of corresponding facets, grey levels; [1, 1000]
   double fusion_space_tolerance = 0.03;  // they agree when their depths differ by less than this

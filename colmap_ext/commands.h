@@ -20,6 +20,7 @@ int RunPathPlanner(const Arguments& arguments, const CancelFlag& cancel);
 int RunMissionExporter(const Arguments& arguments, const CancelFlag& cancel);
 int RunActiveCapture(const Arguments& arguments, const CancelFlag& cancel);
 int RunSceneRenderer(const Arguments& arguments, const CancelFlag& cancel);
+int RunDenseReconstructor(const Arguments& arguments, const CancelFlag& cancel);
 int RunModelEvaluator(const Arguments& arguments, const CancelFlag& cancel);
 int RunReportGenerator(const Arguments& arguments, const CancelFlag& cancel);
 

@@ -44,6 +44,8 @@ constexpr std::array kCommands = {
     Command{"mission_exporter", "flight to a file that a drone's programs read",
             RunMissionExporter},
     Command{"scene_renderer", "pictures and exact depth of a textured scene", RunSceneRenderer},
+    Command{"dense_reconstructor", "full-size photos with poses to a dense cloud and mesh",
+            RunDenseReconstructor},
     Command{"model_evaluator", "error and completeness of a model against the truth",
             RunModelEvaluator},
     Command{"report_generator", "the page of a session", RunReportGenerator},

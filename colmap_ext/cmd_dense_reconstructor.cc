@@ -1,0 +1,210 @@
+// dense_reconstructor: photos with poses to a dense cloud and a mesh, offline.
+#include <algorithm>
+#include <iostream>
+
+#include "colmap_ext/coverage/region.h"
+#include "colmap_ext/dense/back_end.h"
+#include "colmap_ext/dense/photo_source.h"
+#include "colmap_ext/scene/mesh_io.h"
+#include "colmap_ext/scene/oriented_points_io.h"
+#include "colmap_ext/scene/reconstruction_io.h"
+#include "colmap_ext/sfm/colmap_program.h"
+#include "colmap_ext/surface/poisson.h"
+#include "colmap_ext/util/child_process.h"
+#include "colmap_ext/util/error.h"
+#include "colmap_ext/util/files.h"
+#include "command_line.h"
+#include "commands.h"
+#include "workspace_inputs.h"
+
+namespace colmap_ext {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct DenseReconstructorOptions {
+  fs::path workspace, input, images, output, prior, colmap;
+  std::string backend = "auto";
+  bool adjust = false, mesh = true;
+  DenseStereoOptions stereo;
+  SurfaceOptions surface;
+  RegionOptions region;
+};
+
+void AddOptions(DenseReconstructorOptions* o, OptionSet* set) {
+  set->Add("", "workspace_path", &o->workspace,
+           "session: its newest sparse model, images_full/ (else images/), its dense maps as the "
+           "start, and dense_model/ for the result, unless given below");
+  set->Add("", "input_path", &o->input, "sparse model, any camera");
+  set->Add("", "image_path", &o->images,
+           "folder of the model's photos; larger ones than the model's are fine");
+  set->Add("", "output_path", &o->output,
+           "folder for fused.ply, surface.ply and the dense workspace; a run that was stopped goes "
+           "on there");
+  set->Add(
+      "", "prior_path", &o->prior,
+      "dense workspace of superpixel_stereo: says how deep photos look; else the sparse points");
+  set->Add("", "backend", &o->backend,
+           "colmap (needs CUDA), openmvs (its programs on the PATH), builtin, or auto: the first "
+           "of them that can be used");
+  set->Add("", "colmap_path", &o->colmap, "colmap program; else the one on the PATH");
+  set->Add("", "adjust", &o->adjust,
+           "first refine the poses by a short bundle adjustment, intrinsics kept (0 or 1)");
+  set->Add("", "mesh", &o->mesh, "make surface.ply, a Poisson mesh with vertex colours (0 or 1)");
+  BindOptions(*set, &o->stereo);
+  BindOptions(*set, &o->surface);
+  BindOptions(*set, &o->region);
+}
+
+void CompletePaths(DenseReconstructorOptions* o) {
+  if (!o->workspace.empty()) {
+    RequireFolder(o->workspace, "workspace");
+    const Workspace workspace(o->workspace);
+    const IterationFiles files = LatestIterationFiles(workspace);
+    const bool has_full = fs::is_directory(workspace.images_full());
+    if (o->input.empty()) o->input = files.sparse();
+    if (o->images.empty()) o->images = has_full ? workspace.images_full() : workspace.images();
+    if (o->output.empty()) o->output = files.folder / "dense_model";
+    if (o->prior.empty() && fs::is_directory(files.dense())) o->prior = files.dense();
+  }
+  RequireOption(o->input, "input_path");
+  RequireOption(o->images, "image_path");
+  RequireOption(o->output, "output_path");
+  RequireFolder(o->input, "sparse model");
+  RequireFolder(o->images, "image folder");
+  if (!o->prior.empty()) RequireFolder(o->prior, "dense workspace");
+  RequireWritableFolder(o->output, "output folder");
+}
+
+ColmapTool ColmapToolOf(const std::shared_ptr<ColmapProgram>& program) {
+  ColmapTool tool;
+  if (!program) return tool;
+  ChildProcessOptions help;
+  help.arguments = {program->path().string(), "help"};
+  help.environment = {{"QT_QPA_PLATFORM", "offscreen"}};
+  tool.help = RunChildProcess(help, JobControl()).output;
+  tool.run = [program](const std::string& command, const ColmapTool::Arguments& arguments,
+                       const fs::path& log_path,
+                       const JobControl& job) { program->Run(command, arguments, log_path, job); };
+  return tool;
+}
+
+// Null when there is none and the user did not name one.
+std::shared_ptr<ColmapProgram> FindColmapProgram(const DenseReconstructorOptions& o) {
+  if (o.colmap.empty() && FindProgram("colmap").empty()) return nullptr;
+  return std::make_shared<ColmapProgram>(o.colmap);
+}
+
+// `colmap bundle_adjuster`, intrinsics kept; its drift of the frame is taken out again.
+Reconstruction Adjusted(const Reconstruction& model, const DenseReconstructorOptions& o,
+                        ColmapProgram* program, const JobControl& job) {
+  if (program == nullptr) throw Error("--adjust 1 needs a `colmap` program; install it");
+  const fs::path before = o.output / "adjust" / "before";
+  const fs::path after = o.output / "adjust" / "after";
+  WriteReconstructionBinary(model, before);
+  fs::remove_all(after);
+  fs::create_directories(after);
+  job.Info("bundle adjustment");
+  program->Run("bundle_adjuster",
+               {{"input_path", before.string()},
+                {"output_path", after.string()},
+                {"BundleAdjustment.max_num_iterations", "30"},
+                {"BundleAdjustment.function_tolerance", "1e-6"},
+                {"BundleAdjustment.refine_focal_length", "0"},
+                {"BundleAdjustment.refine_extra_params", "0"}},
+               o.output / "logs" / "bundle_adjuster.log", job);
+  Reconstruction adjusted = ReadReconstruction(after);
+  if (adjusted.images.size() != model.images.size()) {
+    throw Error("`colmap bundle_adjuster` gave back " + std::to_string(adjusted.images.size()) +
+                " of " + std::to_string(model.images.size()) + " photos");
+  }
+  Eigen::Matrix3Xd old_centers(3, model.images.size()), new_centers = old_centers;
+  Eigen::Index k = 0;
+  for (const auto& [id, image] : model.images) {
+    old_centers.col(k) = CameraCenter(image.cam_from_world);
+    new_centers.col(k++) = CameraCenter(adjusted.images.at(id).cam_from_world);
+  }
+  TransformReconstruction(EstimateSimilarity(new_centers, old_centers), &adjusted);
+  return adjusted;
+}
+
+BoundingBox Grown(const BoundingBox& box, double ratio) {
+  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(ratio * box.diagonal().norm());
+  return {box.min() - margin, box.max() + margin};
+}
+
+// Median distance of points that were next to each other in a photo.
+double PointSpacing(const OrientedPoints& points) {
+  std::vector<double> distances;
+  const std::size_t step = points.size() / 20000 + 1;
+  for (std::size_t i = 0; i + 1 < points.size(); i += step) {
+    distances.push_back((points[i + 1].position - points[i].position).norm());
+  }
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
+}
+
+// A mesh as fine as the points, that closes only small holes; what the user gave stays.
+SurfaceOptions SurfaceOptionsFor(const OrientedPoints& points, SurfaceOptions options) {
+  constexpr double kTrimCells = 12;
+  const double spacing = PointSpacing(points);
+  if (options.depth == 0 && options.resolution_m == 0) options.resolution_m = spacing;
+  if (options.trim_spacing_m == 0) options.trim_spacing_m = kTrimCells * spacing;
+  return options;
+}
+
+void WriteSurfaceOf(const OrientedPoints& points, const RegionOfInterest& region,
+                    const DenseReconstructorOptions& o, const JobControl& job) {
+  const Surface surface =
+      ReconstructSurface(points, region, SurfaceOptionsFor(points, o.surface), job);
+  const fs::path path = o.output / "surface.ply";
+  WriteSurface(surface, path);
+  job.Info("surface: " + std::to_string(surface.mesh.vertices.size()) + " vertices, " +
+           std::to_string(surface.mesh.faces.size()) + " faces: " + path.string());
+}
+
+}  // namespace
+
+int RunDenseReconstructor(const Arguments& arguments, const CancelFlag& cancel) {
+  DenseReconstructorOptions o;
+  CommandLine line("dense_reconstructor",
+                   "Photos with poses to a dense cloud (fused.ply) and a mesh (surface.ply), "
+                   "offline. Takes any COLMAP model; photos may be larger than those the model was "
+                   "made from. A run that was stopped goes on when it is started again.");
+  AddOptions(&o, &line.options());
+  if (!line.Parse(arguments)) return 0;
+  ThrowIfInvalid(o.stereo.Check());
+  ThrowIfInvalid(o.surface.Check());
+  ThrowIfInvalid(o.region.Check());
+  CompletePaths(&o);
+  ConsoleSink sink(line.log_level());
+  const JobControl job(&sink, &cancel);
+
+  const std::shared_ptr<ColmapProgram> program = FindColmapProgram(o);
+  std::vector<std::unique_ptr<DenseBackEnd>> back_ends;
+  back_ends.push_back(MakeColmapBackEnd(ColmapToolOf(program)));
+  back_ends.push_back(MakeOpenMvsBackEnd());
+  back_ends.push_back(MakeBuiltinBackEnd(o.stereo));
+  DenseBackEnd& back_end = ChooseBackEnd(o.backend, back_ends);
+
+  const StageTimer timer;
+  Reconstruction model = ReadReconstruction(o.input);
+  if (o.adjust) model = Adjusted(model, o, program.get(), job);
+  const PhotoSource photos(model, o.images, o.stereo.max_width_px);
+  const WorldFrame frame = FrameOrMetric(o.input.parent_path() / "frame.json");
+  const RegionOfInterest region = DefaultRegion(photos.photo_set(), frame, o.region);
+  job.Info("back end " + back_end.Name() + ", " + std::to_string(photos.photo_set().photos.size()) +
+           " photos");
+  DenseRequest request{&photos, o.output, o.prior, Grown(region.box, o.surface.crop_margin_ratio)};
+  const OrientedPoints points = back_end.Reconstruct(request, job);
+  WriteOrientedPoints(points, o.output / "fused.ply");
+  job.Info(std::to_string(points.size()) + " points: " + (o.output / "fused.ply").string());
+  if (o.mesh) WriteSurfaceOf(points, region, o, job);
+  const StageCost cost = timer.Stop();
+  std::cout << photos.photo_set().photos.size() << " photos, " << points.size() << " points, "
+            << cost.wall_s << " s, " << cost.cpu_s << " CPU s, peak " << cost.peak_mib << " MiB\n";
+  return 0;
+}
+
+}  // namespace colmap_ext

@@ -38,6 +38,20 @@ bool SpeaksOfAnError(const std::string& line) {
   });
 }
 
+// Colours of a terminal, "ESC [ … m": 4.x writes them into pipes, too.
+std::string WithoutColors(const std::string& line) {
+  std::string plain;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (line[i] != '\x1b') {
+      plain += line[i];
+      continue;
+    }
+    i = line.find('m', i);
+    if (i == std::string::npos) break;
+  }
+  return plain;
+}
+
 std::string Trimmed(const std::string& line) {
   const std::size_t begin = line.find_first_not_of(" \t\r");
   if (begin == std::string::npos) return "";
@@ -56,7 +70,7 @@ std::string LastMeaningfulLine(const std::string& output) {
   std::istringstream lines(output);
   std::string line, last, last_error;
   while (std::getline(lines, line)) {
-    line = Trimmed(line);
+    line = Trimmed(WithoutColors(line));
     if (line.empty()) continue;
     last = line;
     // glog's stack trace follows the message: the frames say nothing to a user.

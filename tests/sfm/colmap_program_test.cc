@@ -95,6 +95,8 @@ TEST(LastMeaningfulLine, PrefersErrorsAndSkipsStackTraces) {
             "F0101 x.cc:1] Check failed: x");
   EXPECT_EQ(LastMeaningfulLine("one\ntwo  \r\n\n"), "two");
   EXPECT_EQ(LastMeaningfulLine("\n \n"), "");
+  EXPECT_EQ(LastMeaningfulLine("\x1b[0;31mE1 x.cc:1] Check failed: y\x1b[0m\n"),
+            "E1 x.cc:1] Check failed: y");
 }
 
 }  // namespace

@@ -46,14 +46,38 @@ void AddWitness(const Witness& witness, const ViewLookup& view, const Eigen::Vec
       AngleBetween(normal_in_world, witness.lookup->normal_in_world[static_cast<std::size_t>(t)]);
 }
 
+// The three factors of Γ: position, normal, view.
+Eigen::Array3d Factors(const ConfidenceCues& cues, const SuperpixelStereoOptions& options) {
+  if (cues.witnesses == 0) return Eigen::Array3d::Zero();
+  const double cosine = std::cos(cues.view_rad);
+  return {std::exp(-cues.position_px / options.sigma_position_px),
+          std::exp(-cues.normal_rad / DegToRad(options.sigma_normal_deg)),
+          1.0 - std::exp(-cosine * cosine / options.sigma_view)};
+}
+
 }  // namespace
 
 double ConfidenceScore(const ConfidenceCues& cues, const SuperpixelStereoOptions& options) {
-  if (cues.witnesses == 0) return 0;
-  const double cosine = std::cos(cues.view_rad);
-  return std::exp(-cues.position_px / options.sigma_position_px) *
-         std::exp(-cues.normal_rad / DegToRad(options.sigma_normal_deg)) *
-         (1.0 - std::exp(-cosine * cosine / options.sigma_view));
+  return Factors(cues, options).prod();
+}
+
+DenseMap ConfidenceCueMaps(const std::vector<ConfidenceCues>& cues, const cv::Mat1i& triangle_at,
+                           const SuperpixelStereoOptions& options) {
+  std::vector<Eigen::Array4f> values;
+  for (const ConfidenceCues& cue : cues) {
+    const Eigen::Array3d factors = Factors(cue, options);
+    values.emplace_back(static_cast<float>(factors[0]), static_cast<float>(factors[1]),
+                        static_cast<float>(factors[2]), static_cast<float>(factors.prod()));
+  }
+  DenseMap maps(triangle_at.cols, triangle_at.rows, 4);
+  for (int y = 0; y < triangle_at.rows; ++y) {
+    for (int x = 0; x < triangle_at.cols; ++x) {
+      const int t = triangle_at(y, x);
+      if (t < 0) continue;
+      for (int c = 0; c < 4; ++c) maps.At(y, x, c) = values[static_cast<std::size_t>(t)][c];
+    }
+  }
+  return maps;
 }
 
 std::vector<ConfidenceCues> EvaluateCues(const std::vector<ViewMesh>& views,

@@ -133,5 +133,20 @@ TEST(ViewLookup, PlanesAndNormalsAreThoseOfTheMesh) {
   EXPECT_EQ(lookup.TriangleAt({320.0, 10}), -1);
 }
 
+TEST(Confidence, CueMapsHoldTheFactorsOfTheScore) {
+  const SuperpixelStereoOptions options;
+  const std::vector<ConfidenceCues> cues{{2, 1.0, 0.3, 0.5}, {0, 0, 0, 0}};
+  const cv::Mat1i triangle_at = (cv::Mat1i(1, 3) << 0, 1, -1);
+  const DenseMap maps = ConfidenceCueMaps(cues, triangle_at, options);
+  ASSERT_EQ(maps.channels, 4);
+  EXPECT_NEAR(maps.At(0, 0, 0), std::exp(-1.0 / options.sigma_position_px), 1e-6);
+  EXPECT_NEAR(maps.At(0, 0, 0) * maps.At(0, 0, 1) * maps.At(0, 0, 2), maps.At(0, 0, 3), 1e-6);
+  EXPECT_NEAR(maps.At(0, 0, 3), ConfidenceScore(cues[0], options), 1e-6);
+  for (int c = 0; c < 4; ++c) {
+    EXPECT_EQ(maps.At(0, 1, c), 0);
+    EXPECT_EQ(maps.At(0, 2, c), 0);
+  }
+}
+
 }  // namespace
 }  // namespace colmap_ext

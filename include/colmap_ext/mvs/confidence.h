@@ -5,6 +5,7 @@
 
 #include "colmap_ext/mvs/stereo_options.h"
 #include "colmap_ext/mvs/view_lookup.h"
+#include "colmap_ext/scene/dense_map.h"
 #include "colmap_ext/scene/view_mesh.h"
 
 namespace colmap_ext {
@@ -29,6 +30,11 @@ std::vector<ConfidenceCues> EvaluateCues(const std::vector<ViewMesh>& views,
                                          const std::vector<ViewLookup>& lookups,
                                          const std::vector<int>& neighbors_of_view, int view,
                                          const SuperpixelStereoOptions& options);
+
+// The factors of Γ pixel by pixel, each in [0, 1]: channel 0 position, 1 normal, 2 view, 3 their
+// product. 0 where a pixel has no triangle or its triangle has no witness.
+DenseMap ConfidenceCueMaps(const std::vector<ConfidenceCues>& cues, const cv::Mat1i& triangle_at,
+                           const SuperpixelStereoOptions& options);
 
 // Sets the confidence of every view, in parallel; reads nothing but depths.
 void EvaluateConfidence(const std::vector<ViewLookup>& lookups,

@@ -1,0 +1,67 @@
+// The search for each facet's most photo-consistent plane, in one view.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "colmap_ext/mvs/linear_stereo.h"
+#include "colmap_ext/mvs/stereo_options.h"
+#include "colmap_ext/mvs/view_lookup.h"
+#include "colmap_ext/scene/view_mesh.h"
+#include "mvs/photo_patch.h"
+
+namespace colmap_ext {
+
+// Correlations with the neighbours; unseen ones are kUnseen.
+struct PatchScore {
+  static constexpr int kMaxNeighbors = 6;
+  std::array<float, kMaxNeighbors> correlation{};
+  int witnesses = 0;
+  float best = kUnseen;  // mean of the better half of the witnesses, three at most
+};
+
+class PlaneSearch {
+ public:
+  // `transfers`: to the neighbours, best first; those after the sixth are not used. All are
+  // referred to.
+  PlaneSearch(const ViewMesh& mesh, const ViewLookup& lookup, const cv::Mat1f& grey,
+              std::vector<PixelTransfer> transfers, const SuperpixelStereoOptions& options);
+
+  // Planes (in the view's camera) to try for all triangles of a superpixel.
+  void AddHypothesis(int superpixel, const Eigen::Vector3d& plane_in_cam);
+
+  // Of a triangle's present plane; no witness when it is not supported.
+  PatchScore ScorePresentPlane(std::size_t t);
+  void ScorePresentPlanes();
+  // Facets that are not explained try the hypotheses of their superpixel and the planes of facets
+  // around; forwards, then backwards through the triangles, so that good planes spread.
+  void TryHypotheses();
+  // Gauss-Newton steps for facets that are explained; then their rows.
+  std::vector<DepthRow> RefineAndCollectRows();
+
+  const PhotoPatch& patch(std::size_t t);  // made when it is first asked for
+
+ private:
+  struct Refined;
+  // Gives up when the first two witnesses are both below `hopeless`.
+  PatchScore Score(std::size_t t, const PatchPlane& plane, int max_neighbors,
+                   float hopeless = kUnseen);
+  void TryAround(std::size_t t, bool with_superpixel);
+  bool IsNew(std::size_t t, const PatchPlane& plane, const std::vector<PatchPlane>& tried) const;
+  Refined Refine(std::size_t t);
+  void AppendRows(std::size_t t, const Refined& refined, std::vector<DepthRow>* rows) const;
+
+  const ViewMesh& mesh_;
+  const ViewLookup& lookup_;
+  const cv::Mat1f& grey_;
+  std::vector<PixelTransfer> transfers_;
+  SuperpixelStereoOptions options_;
+  std::vector<PhotoPatch> patches_;  // of each triangle, once it was asked for
+  std::vector<std::uint8_t> has_patch_;
+  std::vector<Eigen::Vector3d> planes_;                   // best so far, in the camera
+  std::vector<PatchScore> scores_;                        // of these
+  std::vector<std::vector<Eigen::Vector3d>> hypotheses_;  // of each superpixel
+  double median_inverse_depth_ = 0;
+};
+
+}  // namespace colmap_ext

@@ -83,7 +83,7 @@ run_loop() {
 make_project() {
   step "a project made by that colmap alone"
   local project="$work/project" gpu=SiftExtraction match=SiftMatching name
-  "$colmap" feature_extractor -h 2>&1 | grep -q FeatureExtraction.use_gpu &&
+  "$colmap" feature_extractor -h 2>&1 | grep FeatureExtraction.use_gpu > /dev/null &&
     gpu=FeatureExtraction match=FeatureMatching
   mkdir -p "$project/images" "$project/sparse" "$work/more"
   local all=()
@@ -130,7 +130,7 @@ check_with_colmap() {
   echo "   bundle_adjuster: $(registered "$work/adjusted") photos"
   quietly "$colmap" model_comparer --input_path1 "$work/updated" \
     --input_path2 "$work/project/sparse/0" --output_path "$work/compared" \
-    $("$colmap" model_comparer -h 2>&1 | grep -q alignment_error && echo "--alignment_error proj_center --max_proj_center_error 1")
+    $("$colmap" model_comparer -h 2>&1 | grep alignment_error > /dev/null && echo "--alignment_error proj_center --max_proj_center_error 1")
   grep -iE "common|rotation|Avg|median" "$work/last.log" | head -n 4 || true
   quietly "$colmap" database_merger --database_path1 "$work/session/database.db" \
     --database_path2 "$work/updated/database.db" --merged_database_path "$work/merged.db"
@@ -147,7 +147,7 @@ check_with_colmap() {
 
 make_root
 connect_root
-step "$("$colmap" help 2>&1 | grep -o 'COLMAP [0-9][^ ]*.*' | head -n 1)"
+step "$("$colmap" help 2>&1 | grep -o "COLMAP [0-9].*" | tail -n 1)"
 run_loop
 make_project
 update_project

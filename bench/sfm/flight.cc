@@ -38,31 +38,38 @@ std::string NameOf(int index) {
   return name;
 }
 
-}  // namespace
-
-Flight FlyAroundChurch(int num_photos, double texel_scale, const std::filesystem::path& folder,
-                       const JobControl& job) {
+void RenderPhotos(const std::vector<int>& indices, double texel_scale,
+                  const std::filesystem::path& folder, const JobControl& job) {
   const TexturedScene scene = MakeScene("church", 1, texel_scale);
   const Renderer renderer(scene, {});
   SimulatedCameraOptions options;
   options.gps_noise_m = 0;
   const SimulatedCamera camera(renderer, scene.origin, options);
   std::filesystem::create_directories(folder);
-  Flight flight;
-  flight.origin = scene.origin;
-  flight.scene_size_m = BoundsOf(scene.Truth().model).diagonal().norm();
   std::atomic<std::size_t> done = 0;
-  tbb::parallel_for(0, num_photos, [&](int i) {
-    const std::filesystem::path path = folder / NameOf(i);
-    if (!std::filesystem::exists(path)) camera.CapturePhoto(ViewOnRing(i), path);
-    job.Progress("rendering", ++done, static_cast<std::size_t>(num_photos));
+  tbb::parallel_for(std::size_t{0}, indices.size(), [&](std::size_t i) {
+    camera.CapturePhoto(ViewOnRing(indices[i]), folder / NameOf(indices[i]));
+    job.Progress("rendering", ++done, indices.size());
   });
+}
+
+}  // namespace
+
+Flight FlyAroundChurch(int num_photos, double texel_scale, const std::filesystem::path& folder,
+                       const JobControl& job) {
+  const TexturedScene coarse = MakeScene("church", 1, 16);  // quick: the same shape
+  Flight flight;
+  flight.origin = coarse.origin;
+  flight.scene_size_m = BoundsOf(coarse.Truth().model).diagonal().norm();
+  std::vector<int> wanted;
   for (int i = 0; i < num_photos; ++i) {
     const PlannedView view = ViewOnRing(i);
     flight.names.push_back(NameOf(i));
     flight.cam_from_world[NameOf(i)] = CamFromWorld(view.position, view.direction);
-    flight.position[NameOf(i)] = GeoFromEnu(scene.origin, view.position);
+    flight.position[NameOf(i)] = GeoFromEnu(coarse.origin, view.position);
+    if (!std::filesystem::exists(folder / NameOf(i))) wanted.push_back(i);
   }
+  if (!wanted.empty()) RenderPhotos(wanted, texel_scale, folder, job);
   return flight;
 }
 

@@ -13,9 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A third of the mapper's default time for poses that differ by less than 4e-4 of the scene. One
-// thread: several would add up residuals in another order on every run.
-ColmapOptions FastOptions(const MappingPaths& paths, bool refine_intrinsics) {
+// One thread: several would add up residuals in another order on every run.
+ColmapOptions CommonOptions(const MappingPaths& paths, bool refine_intrinsics) {
   const std::string refine = refine_intrinsics ? "1" : "0";
   return {{"database_path", paths.database.string()},
           {"image_path", paths.images.string()},
@@ -24,11 +23,18 @@ ColmapOptions FastOptions(const MappingPaths& paths, bool refine_intrinsics) {
           {"Mapper.ba_refine_focal_length", refine},
           {"Mapper.ba_refine_extra_params", refine},
           {"Mapper.ba_global_images_ratio", "1.4"},
-          {"Mapper.ba_global_points_ratio", "1.4"},
-          {"Mapper.ba_global_max_num_iterations", "20"},
-          {"Mapper.ba_global_max_refinements", "2"},
-          {"Mapper.ba_local_max_num_iterations", "15"},
-          {"Mapper.ba_local_max_refinements", "1"}};
+          {"Mapper.ba_global_points_ratio", "1.4"}};
+}
+
+// An update is adjusted by ourselves afterwards. The first model gets COLMAP's own care instead:
+// its repeated triangulation finds a few percent more points.
+void AddFastOptions(ColmapOptions* options) {
+  for (const auto& [name, value] : ColmapOptions{{"Mapper.ba_global_max_num_iterations", "20"},
+                                                 {"Mapper.ba_global_max_refinements", "2"},
+                                                 {"Mapper.ba_local_max_num_iterations", "15"},
+                                                 {"Mapper.ba_local_max_refinements", "1"}}) {
+    options->emplace_back(name, value);
+  }
 }
 
 fs::path FreshFolder(const fs::path& folder) {
@@ -68,7 +74,7 @@ std::vector<Reconstruction> RunMapper(const MappingPaths& paths, bool refine_int
                                       bool multiple_models, ColmapProgram* colmap,
                                       const JobControl& job) {
   const fs::path output = FreshFolder(paths.work / "mapper_output");
-  ColmapOptions options = FastOptions(paths, refine_intrinsics);
+  ColmapOptions options = CommonOptions(paths, refine_intrinsics);
   options.emplace_back("output_path", output.string());
   options.emplace_back("Mapper.multiple_models", multiple_models ? "1" : "0");
   colmap->TryRun("mapper", options, paths.log, job);  // fails when the matches give no model
@@ -99,7 +105,8 @@ Reconstruction ContinueModel(const MappingPaths& paths, const Reconstruction& mo
   const fs::path input = FreshFolder(paths.work / "mapper_input");
   const fs::path output = FreshFolder(paths.work / "mapper_output");
   WriteReconstructionBinary(model, input);
-  ColmapOptions options = FastOptions(paths, false);
+  ColmapOptions options = CommonOptions(paths, false);
+  AddFastOptions(&options);
   options.emplace_back("input_path", input.string());
   options.emplace_back("output_path", output.string());
   options.emplace_back("Mapper.fix_existing_images", "1");

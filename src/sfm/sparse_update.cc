@@ -85,6 +85,22 @@ std::map<std::string, ImageId> IdsOf(const std::map<ImageId, DatabaseImage>& ima
   return ids;
 }
 
+// How good measured positions are, one sigma of an axis, from how far photos of the model are from
+// theirs. That is too much by what the model itself is wrong, so they never pull too hard.
+double PositionSigma(const std::map<ImageId, PhotoPrior>& priors, const Reconstruction& model) {
+  constexpr double kMinSigmaM = 0.02;           // of RTK receivers
+  constexpr double kMedianOfThreeAxes = 1.538;  // median length of a vector of unit normals
+  std::vector<double> residuals;
+  for (const auto& [id, prior] : priors) {
+    const Eigen::Vector3d center = CameraCenter(model.images.at(id).cam_from_world);
+    residuals.push_back((center - *prior.position_in_world).norm());
+  }
+  if (residuals.empty()) return kMinSigmaM;
+  const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
+  std::nth_element(residuals.begin(), middle, residuals.end());
+  return std::max(*middle / kMedianOfThreeAxes, kMinSigmaM);
+}
+
 // The model speaks of photos by id: they must be the database's.
 void RequireSamePhotos(const Reconstruction& model, const DatabaseView& database) {
   const std::map<ImageId, DatabaseImage> images = database.ReadImages();
@@ -289,6 +305,8 @@ class Updater {
       if (!photo.position_in_world || result_.model.images.count(id) == 0) continue;
       priors[id].position_in_world = photo.position_in_world;
     }
+    const double sigma_m = PositionSigma(priors, result_.model);
+    for (auto& [id, prior] : priors) prior.sigma_horizontal_m = prior.sigma_vertical_m = sigma_m;
     return priors;
   }
 

@@ -272,6 +272,7 @@ TEST_F(SparseUpdate, BuildsOnTheFeaturesAndMatchesOfPlainColmap) {
              {{"database_path", theirs.string()},
               {"image_path", images().string()},
               {"ImageReader.single_camera", "1"},
+              {"SiftExtraction.first_octave", "0"},
               {"SiftExtraction.use_gpu", "0"}},
              log, {});
   colmap.Run("exhaustive_matcher",

@@ -25,7 +25,7 @@ using Observations = std::vector<CameraObservation>;
 constexpr int kNumParameters = 7;
 
 struct PositionResidual {
-  Eigen::Vector3d guess_from_pivot, measured_from_pivot;
+  Eigen::Vector3d guess_from_pivot, measured_from_pivot, weights;
 
   template <typename T>
   bool operator()(const T* p, T* residual) const {
@@ -33,22 +33,22 @@ struct PositionResidual {
     T turned[3];
     ceres::AngleAxisRotatePoint(p + 1, point, turned);
     for (int k = 0; k < 3; ++k) {
-      residual[k] = exp(p[0]) * turned[k] + p[4 + k] - T(measured_from_pivot[k]);
+      residual[k] = T(weights[k]) * (exp(p[0]) * turned[k] + p[4 + k] - T(measured_from_pivot[k]));
     }
     return true;
   }
 };
 
-// Height of a camera's right axis: 0 when it has no roll.
+// Height of an axis of a camera that should be level: the right one when it has no roll.
 struct LevelResidual {
-  Eigen::Vector3d right_in_world;
+  Eigen::Vector3d axis_in_world;
   double weight;
 
   template <typename T>
   bool operator()(const T* p, T* residual) const {
-    const T right[3] = {T(right_in_world.x()), T(right_in_world.y()), T(right_in_world.z())};
+    const T axis[3] = {T(axis_in_world.x()), T(axis_in_world.y()), T(axis_in_world.z())};
     T turned[3];
-    ceres::AngleAxisRotatePoint(p + 1, right, turned);
+    ceres::AngleAxisRotatePoint(p + 1, axis, turned);
     residual[0] = T(weight) * turned[2];
     return true;
   }
@@ -66,7 +66,18 @@ Sim3d CorrectionFrom(const std::array<double, kNumParameters>& p, const Eigen::V
   return correction;
 }
 
-Sim3d Refine(const Sim3d& guess, const Observations& cameras, bool level_cameras,
+// Holds an axis level beside positions that err by `sigma_m`.
+void AddLevelAxis(const Eigen::Vector3d& axis_in_world, double sigma_m,
+                  const GeoregistrationOptions& options, double* p, ceres::Problem* problem) {
+  auto* level =
+      new LevelResidual{axis_in_world, sigma_m / std::sin(DegToRad(options.level_roll_deg))};
+  problem->AddResidualBlock(
+      new ceres::AutoDiffCostFunction<LevelResidual, 1, kNumParameters>(level),
+      new ceres::CauchyLoss(options.loss_scale_m), p);
+}
+
+// `sigma_m`: that of positions with weight 1.
+Sim3d Refine(const Sim3d& guess, const Observations& cameras, bool level_cameras, double sigma_m,
              const GeoregistrationOptions& options) {
   Eigen::Vector3d pivot = Eigen::Vector3d::Zero();
   for (const CameraObservation& camera : cameras) {
@@ -76,17 +87,17 @@ Sim3d Refine(const Sim3d& guess, const Observations& cameras, bool level_cameras
   ceres::Problem problem;
   for (const CameraObservation& camera : cameras) {
     auto* position = new PositionResidual{guess * camera.center_in_model - pivot,
-                                          camera.position_in_world - pivot};
+                                          camera.position_in_world - pivot, camera.weights};
     problem.AddResidualBlock(
         new ceres::AutoDiffCostFunction<PositionResidual, 3, kNumParameters>(position),
         new ceres::CauchyLoss(options.loss_scale_m), p.data());
-    if (!level_cameras) continue;
-    auto* level =
-        new LevelResidual{guess.rotation * camera.right_in_model,
-                          options.loss_scale_m / std::sin(DegToRad(options.level_roll_deg))};
-    problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<LevelResidual, 1, kNumParameters>(level),
-        new ceres::CauchyLoss(options.loss_scale_m), p.data());
+    const Eigen::Vector3d right = guess.rotation * camera.right_in_model;
+    if (camera.forward_in_model) {
+      AddLevelAxis(right, sigma_m, options, p.data(), &problem);
+      AddLevelAxis(guess.rotation * *camera.forward_in_model, sigma_m, options, p.data(), &problem);
+    } else if (level_cameras) {
+      AddLevelAxis(right, options.loss_scale_m, options, p.data(), &problem);
+    }
   }
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_QR;
@@ -108,8 +119,8 @@ Observations Agreeing(const Sim3d& world_from_model, const Observations& cameras
 }
 
 // Fits once; `result` gets the similarity, or the refusal.
-void Fit(const Observations& cameras, bool level_cameras, const GeoregistrationOptions& options,
-         GeoregistrationResult* result, Observations* used) {
+void Fit(const Observations& cameras, bool level_cameras, double sigma_m,
+         const GeoregistrationOptions& options, GeoregistrationResult* result, Observations* used) {
   result->world_from_model.reset();
   result->gravity_from_cameras = level_cameras;
   std::optional<Sim3d> fit = SampleSimilarity(cameras, level_cameras, options);
@@ -117,7 +128,7 @@ void Fit(const Observations& cameras, bool level_cameras, const GeoregistrationO
     result->refusal = "the measured positions or the camera centres do not spread";
     return;
   }
-  fit = Refine(*fit, cameras, level_cameras, options);
+  fit = Refine(*fit, cameras, level_cameras, sigma_m, options);
   for (int pass = 0; pass < 2; ++pass) {
     *used = Agreeing(*fit, cameras, options.max_residual_m);
     if (used->size() < 3 || 2 * used->size() <= cameras.size()) {
@@ -125,7 +136,7 @@ void Fit(const Observations& cameras, bool level_cameras, const GeoregistrationO
                         std::to_string(cameras.size()) + " measured positions agree with the model";
       return;
     }
-    fit = Refine(*fit, *used, level_cameras, options);
+    fit = Refine(*fit, *used, level_cameras, sigma_m, options);
   }
   result->world_from_model = fit;
 }
@@ -193,20 +204,27 @@ void CheckCertainty(const Observations& used, const GeoregistrationOptions& opti
   }
 }
 
-void ReportResiduals(const std::vector<MeasuredCamera>& cameras, const Observations& observations,
+void ReportResiduals(const std::vector<MeasuredCamera>& cameras,
                      const GeoregistrationOptions& options, GeoregistrationResult* result) {
   double sum = 0;
-  for (std::size_t k = 0; k < cameras.size(); ++k) {
-    const double residual = ResidualOf(*result->world_from_model, observations[k]);
-    if (residual > options.max_residual_m) {
-      result->outliers.push_back({cameras[k].name, residual});
+  for (const MeasuredCamera& camera : cameras) {
+    PhotoResidual residual;
+    residual.name = camera.name;
+    residual.offset_m =
+        *result->world_from_model * CameraCenter(camera.cam_from_model) - camera.position_in_world;
+    residual.residual_m = residual.offset_m.norm();
+    residual.is_outlier = residual.residual_m > options.max_residual_m;
+    result->residuals.push_back(residual);
+    if (residual.is_outlier) {
+      result->outliers.push_back(residual);
       continue;
     }
-    sum += residual * residual;
-    result->max_m = std::max(result->max_m, residual);
+    sum += residual.residual_m * residual.residual_m;
+    result->max_m = std::max(result->max_m, residual.residual_m);
+    result->num_attitudes += camera.up_in_cam ? 1 : 0;
     ++result->num_used;
   }
-  result->rms_m = std::sqrt(sum / result->num_used);
+  result->rms_m = result->num_used == 0 ? 0 : std::sqrt(sum / result->num_used);
   std::stable_sort(
       result->outliers.begin(), result->outliers.end(),
       [](const PhotoResidual& a, const PhotoResidual& b) { return a.residual_m > b.residual_m; });
@@ -252,21 +270,31 @@ GeoregistrationResult Georegister(const std::vector<MeasuredCamera>& cameras,
     return result;
   }
   const Observations observations = ObservationsOf(cameras);
+  const double sigma_m = CommonSigma(cameras);
   Observations used;
-  Fit(observations, false, options, &result, &used);
+  Fit(observations, false, sigma_m, options, &result, &used);
   if (result.world_from_model) {
     result.tilt_uncertainty_deg = TiltUncertaintyDeg(*result.world_from_model, used);
   }
   if (!result.world_from_model || result.tilt_uncertainty_deg > options.max_tilt_deg) {
     result.refusal.clear();
-    Fit(observations, true, options, &result, &used);
+    Fit(observations, true, sigma_m, options, &result, &used);
     if (!result.world_from_model) return result;
     result.tilt_uncertainty_deg =
         std::min(TiltUncertaintyDeg(*result.world_from_model, used),
                  LevelTiltUncertaintyDeg(*result.world_from_model, used, options));
   }
   CheckCertainty(used, options, &result);
-  if (result.world_from_model) ReportResiduals(cameras, observations, options, &result);
+  if (result.world_from_model) ReportResiduals(cameras, options, &result);
+  return result;
+}
+
+GeoregistrationResult ComparePositions(const std::vector<MeasuredCamera>& cameras,
+                                       const GeoregistrationOptions& options) {
+  ThrowIfInvalid(options.Check());
+  GeoregistrationResult result;
+  result.world_from_model = Sim3d();
+  ReportResiduals(cameras, options, &result);
   return result;
 }
 

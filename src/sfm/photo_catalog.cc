@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "colmap_ext/geom/transforms.h"
+#include "colmap_ext/scene/capture_journal.h"
+#include "colmap_ext/scene/database.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
 
@@ -41,10 +44,56 @@ std::vector<std::string> ListEnoughPhotos(const std::filesystem::path& image_pat
   return names;
 }
 
-void SetGeoPositions(const SparseUpdateInput& input, PhotoCatalog* catalog) {
+using Captures = std::map<std::string, CaptureRecord>;
+
+Captures ReadCaptures(const std::filesystem::path& image_path) {
+  const std::filesystem::path path = image_path / "captures.jsonl";
+  return std::filesystem::exists(path) ? ReadCaptureJournal(path) : Captures();
+}
+
+void TakeAttitude(const CaptureRecord& capture, CatalogPhoto* photo) {
+  if (!capture.cam_from_enu) return;
+  photo->up_in_cam = *capture.cam_from_enu * Eigen::Vector3d::UnitZ();
+  const ViewDirection direction = ViewDirectionOf({*capture.cam_from_enu, Eigen::Vector3d::Zero()});
+  photo->metadata.yaw_rad = direction.yaw_rad;
+  photo->metadata.pitch_rad = direction.pitch_rad;
+}
+
+// GPS of the database that is there already, by photo; another frame than WGS84 tells no place on
+// Earth.
+std::map<std::string, GeoPosition> ReadDatabasePriors(const SparseUpdateInput& input) {
+  const std::filesystem::path& path =
+      input.base_database_path.empty() ? input.database_path : input.base_database_path;
+  std::map<std::string, GeoPosition> positions;
+  if (!std::filesystem::is_regular_file(path)) return positions;
+  const Database database = Database::Open(path, Database::Access::kReadOnly);
+  for (const auto& [id, image] : database.ReadImages()) {
+    if (!image.prior || image.prior->frame == PriorFrame::kCartesian) continue;
+    const Eigen::Vector3d& p = image.prior->position;
+    const GeoPosition position{.lat_deg = p.x(), .lon_deg = p.y(), .height_m = p.z()};
+    if (IsValid(position) && (p.x() != 0 || p.y() != 0)) positions[image.name] = position;
+  }
+  return positions;
+}
+
+void SetGeoPositions(const SparseUpdateInput& input, const Captures& captures,
+                     PhotoCatalog* catalog) {
+  const std::map<std::string, GeoPosition> priors = ReadDatabasePriors(input);
   for (CatalogPhoto& photo : catalog->photos) {
     const auto given = input.geo_position_of_photo.find(photo.name);
-    photo.geo = given != input.geo_position_of_photo.end() ? given->second : photo.metadata.gps;
+    const auto capture = captures.find(photo.name);
+    if (capture != captures.end()) TakeAttitude(capture->second, &photo);
+    if (given != input.geo_position_of_photo.end()) {
+      photo.geo = given->second;
+    } else if (capture != captures.end()) {
+      photo.geo = capture->second.position;
+      photo.sigma_horizontal_m = capture->second.sigma_horizontal_m;
+      photo.sigma_vertical_m = capture->second.sigma_vertical_m;
+    } else {
+      const auto prior = priors.find(photo.name);
+      photo.geo = photo.metadata.gps;
+      if (!photo.geo && prior != priors.end()) photo.geo = prior->second;
+    }
     if (photo.geo && !IsValid(*photo.geo)) {
       throw Error(photo.name + ": its position is not on Earth (latitude " +
                   std::to_string(photo.geo->lat_deg) + ", longitude " +
@@ -66,6 +115,7 @@ void PlaceOnEarth(const SparseUpdateInput& input, PhotoCatalog* catalog) {
 void PlaceLocally(const SparseUpdateInput& input, PhotoCatalog* catalog) {
   for (CatalogPhoto& photo : catalog->photos) {
     const auto found = input.local_position_of_photo.find(photo.name);
+    photo.sigma_horizontal_m = photo.sigma_vertical_m = std::nullopt;  // of another source
     if (found != input.local_position_of_photo.end()) photo.position_in_world = found->second;
   }
 }
@@ -87,7 +137,7 @@ PhotoCatalog ReadCatalog(const SparseUpdateInput& input, const JobControl& job) 
   }
   RequireSomeName(input.geo_position_of_photo, catalog.photos, input.image_path);
   RequireSomeName(input.local_position_of_photo, catalog.photos, input.image_path);
-  SetGeoPositions(input, &catalog);
+  SetGeoPositions(input, ReadCaptures(input.image_path), &catalog);
   if (input.local_position_of_photo.empty()) {
     PlaceOnEarth(input, &catalog);
   } else {

@@ -15,6 +15,10 @@ struct CatalogPhoto {
   PhotoMetadata metadata;
   std::optional<GeoPosition> geo;                    // where it was taken, on Earth
   std::optional<Eigen::Vector3d> position_in_world;  // ... in the frame of the catalog, metres
+  // Accuracy of the position, one sigma, metres, where its source tells it.
+  std::optional<double> sigma_horizontal_m, sigma_vertical_m;
+  // The world's z axis in the camera, unit length, where the attitude was measured.
+  std::optional<Eigen::Vector3d> up_in_cam;
 };
 
 struct PhotoCatalog {
@@ -24,9 +28,13 @@ struct PhotoCatalog {
   int num_positions = 0;
 };
 
-// Reads the folder and the metadata of its photos. The origin is that of `input.frame`, else the
-// first photo's. Throws Error when the folder has fewer than 3 photos, or a given file of positions
-// names none of them.
+// Reads the folder, the metadata of its photos and the capture journal beside them
+// (captures.jsonl). A photo's position is that of the first source that has one: local positions of
+// `input`, its geographic ones, the journal, EXIF, the
+// database's GPS priors (the last: feature_extractor of 3.8 rounds EXIF's by 0.3 m). The journal's
+// attitude wins over EXIF's heading and pitch. The origin is that of `input.frame`, else the first
+// photo's. Throws Error when the folder has fewer than 3 photos, a given file of positions names
+// none of them, or the journal is damaged.
 PhotoCatalog ReadCatalog(const SparseUpdateInput& input, const JobControl& job);
 
 // Camera for a photo of which only EXIF speaks: SIMPLE_RADIAL, focal length from EXIF or 1.2 times

@@ -8,6 +8,8 @@
 #include <numbers>
 #include <random>
 
+#include "colmap_ext/util/error.h"
+
 namespace colmap_ext {
 namespace {
 
@@ -113,15 +115,50 @@ double TruncatedCost(const Sim3d& world_from_model, const std::vector<CameraObse
   return cost;
 }
 
+void RequireSound(const MeasuredCamera& camera) {
+  if (!(camera.sigma_horizontal_m > 0 && camera.sigma_vertical_m > 0)) {
+    throw Error(camera.name + ": the sigmas of its measured position must be above 0 m");
+  }
+  if (camera.up_in_cam && !(std::abs(camera.up_in_cam->norm() - 1) < 1e-6)) {
+    throw Error(camera.name + ": its measured vertical is not of unit length");
+  }
+}
+
+void LevelByVertical(const Eigen::Vector3d& up_in_model, CameraObservation* observation) {
+  const Eigen::Vector3d right = observation->right_in_model;
+  Eigen::Vector3d level = right - right.dot(up_in_model) * up_in_model;
+  if (level.norm() < 0.1) level = observation->down_in_model.cross(up_in_model);  // on its side
+  observation->right_in_model = level.normalized();
+  observation->down_in_model = -up_in_model;
+  observation->forward_in_model = up_in_model.cross(observation->right_in_model);
+}
+
 }  // namespace
 
+double CommonSigma(const std::vector<MeasuredCamera>& cameras) {
+  std::vector<double> sigmas;
+  for (const MeasuredCamera& camera : cameras) sigmas.push_back(camera.sigma_horizontal_m);
+  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
+  std::nth_element(sigmas.begin(), middle, sigmas.end());
+  return *middle;
+}
+
 std::vector<CameraObservation> ObservationsOf(const std::vector<MeasuredCamera>& cameras) {
+  for (const MeasuredCamera& camera : cameras) RequireSound(camera);
+  const double common = CommonSigma(cameras);
   std::vector<CameraObservation> observations;
   for (const MeasuredCamera& camera : cameras) {
     const Eigen::Quaterniond model_from_cam = camera.cam_from_model.rotation.conjugate();
-    observations.push_back({CameraCenter(camera.cam_from_model),
-                            model_from_cam * Eigen::Vector3d::UnitX(),
-                            model_from_cam * Eigen::Vector3d::UnitY(), camera.position_in_world});
+    CameraObservation observation = {
+        CameraCenter(camera.cam_from_model),
+        model_from_cam * Eigen::Vector3d::UnitX(),
+        model_from_cam * Eigen::Vector3d::UnitY(),
+        camera.position_in_world,
+        {common / camera.sigma_horizontal_m, common / camera.sigma_horizontal_m,
+         common / camera.sigma_vertical_m},
+        std::nullopt};
+    if (camera.up_in_cam) LevelByVertical(model_from_cam * *camera.up_in_cam, &observation);
+    observations.push_back(observation);
   }
   return observations;
 }
@@ -148,6 +185,10 @@ double LevelStiffness(const std::vector<CameraObservation>& cameras, const Sim3d
   for (const CameraObservation& camera : cameras) {
     const double slope = axis_in_world.cross(world_from_model.rotation * camera.right_in_model).z();
     sum += slope * slope;
+    if (!camera.forward_in_model) continue;
+    const double forward_slope =
+        axis_in_world.cross(world_from_model.rotation * *camera.forward_in_model).z();
+    sum += forward_slope * forward_slope;
   }
   return std::sqrt(sum / static_cast<double>(cameras.size()));
 }

@@ -16,8 +16,16 @@ struct CameraObservation {
   Eigen::Vector3d right_in_model;  // unit: the image's x axis, level when the camera has no roll
   Eigen::Vector3d down_in_model;   // unit: the image's y axis
   Eigen::Vector3d position_in_world;
+  // Sigma that the fit is scaled to, over that of each axis: 1 for photos of common accuracy.
+  Eigen::Vector3d weights = Eigen::Vector3d::Ones();
+  // Unit, level and at right angles to right_in_model; only where the vertical was measured. Right
+  // is then level by measurement, not because the camera has no roll.
+  std::optional<Eigen::Vector3d> forward_in_model;
 };
+// Throws Error for a sigma that is not above 0 and a vertical that is not of unit length.
 std::vector<CameraObservation> ObservationsOf(const std::vector<MeasuredCamera>& cameras);
+// Median horizontal sigma, metres; what weights are relative to.
+double CommonSigma(const std::vector<MeasuredCamera>& cameras);
 
 double ResidualOf(const Sim3d& world_from_model, const CameraObservation& camera);  // metres
 

@@ -55,7 +55,14 @@ std::vector<MeasuredCamera> MeasuredCamerasOf(const Reconstruction& model,
   for (const CatalogPhoto& photo : catalog.photos) {
     const auto pose = poses.find(photo.name);
     if (pose == poses.end() || !photo.position_in_world) continue;
-    cameras.push_back({photo.name, pose->second, *photo.position_in_world});
+    MeasuredCamera camera;
+    camera.name = photo.name;
+    camera.cam_from_model = pose->second;
+    camera.position_in_world = *photo.position_in_world;
+    camera.sigma_horizontal_m = photo.sigma_horizontal_m.value_or(camera.sigma_horizontal_m);
+    camera.sigma_vertical_m = photo.sigma_vertical_m.value_or(camera.sigma_vertical_m);
+    camera.up_in_cam = photo.up_in_cam;
+    cameras.push_back(camera);
   }
   return cameras;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "colmap_ext/scene/json_file.h"
 #include "colmap_ext/util/error.h"
 
 namespace colmap_ext {
@@ -161,6 +162,121 @@ TEST(GeoregistrationOptions, NamesWhatIsWrong) {
   options = {};
   options.ransac_samples = 0;
   EXPECT_NE(options.Check().find("ransac_samples"), std::string::npos);
+}
+
+// Gives every camera its true vertical.
+void AddAttitudes(std::vector<MeasuredCamera>* cameras) {
+  for (MeasuredCamera& camera : *cameras) {
+    const Rigid3d cam_from_world =
+        TransformCameraWorld(TrueWorldFromModel(), camera.cam_from_model);
+    camera.up_in_cam = cam_from_world.rotation * Eigen::Vector3d::UnitZ();
+  }
+}
+
+// Turns each camera about its own axis, so that it is level no more.
+void AddRoll(double roll_rad, std::vector<MeasuredCamera>* cameras) {
+  for (MeasuredCamera& camera : *cameras) {
+    const Eigen::Quaterniond roll(Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitZ()));
+    camera.cam_from_model.rotation = roll * camera.cam_from_model.rotation;
+    camera.cam_from_model.translation = roll * camera.cam_from_model.translation;
+  }
+}
+
+TEST(Georegister, TakesTheVerticalOfRolledCamerasFromTheirAttitudes) {
+  std::vector<MeasuredCamera> cameras = StraightFlight(12, 0.3, -0.9);
+  AddRoll(0.4, &cameras);
+  AddAttitudes(&cameras);
+  const GeoregistrationResult result = Georegister(cameras, {});
+  ASSERT_TRUE(result.world_from_model) << result.refusal;
+  ExpectTruth(*result.world_from_model, 1e-6);
+  EXPECT_EQ(result.num_attitudes, 12);
+  EXPECT_TRUE(result.gravity_from_cameras);
+}
+
+// Cameras that look along a straight flight tell nothing about its roll unless it was measured.
+TEST(Georegister, AttitudesTellWhatLevelCamerasCannot) {
+  std::vector<MeasuredCamera> cameras = StraightFlight(12, 0, -1.57);
+  for (MeasuredCamera& camera : cameras) camera.sigma_vertical_m = 3;
+  AddRoll(0.2, &cameras);
+  AddAttitudes(&cameras);
+  AddNoise(&cameras, 0.3, 4);
+  const GeoregistrationResult result = Georegister(cameras, {});
+  ASSERT_TRUE(result.world_from_model) << result.refusal;
+  EXPECT_LT(AngleDeg(result.world_from_model->rotation, TrueWorldFromModel().rotation), 2);
+}
+
+TEST(Georegister, AttitudesHoldTheTiltAgainstNoisyPositions) {
+  double sum_without_deg = 0, sum_with_deg = 0;
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    std::vector<MeasuredCamera> cameras = RectangleFlight(8);
+    AddNoise(&cameras, 1.5, seed);
+    const auto tilt_deg = [&cameras] {
+      const GeoregistrationResult result = Georegister(cameras, {});
+      const Eigen::Quaterniond error =
+          result.world_from_model->rotation * TrueWorldFromModel().rotation.conjugate();
+      return RadToDeg(std::acos(std::min(1.0, (error * Eigen::Vector3d::UnitZ()).z())));
+    };
+    sum_without_deg += tilt_deg();
+    AddAttitudes(&cameras);
+    sum_with_deg += tilt_deg();
+  }
+  EXPECT_LT(sum_with_deg, 0.5 * sum_without_deg);
+}
+
+TEST(Georegister, AccuratePositionsCountMore) {
+  std::vector<MeasuredCamera> exact = RectangleFlight(24), noisy = exact;
+  AddNoise(&noisy, 2, 11);
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    if (i % 3 != 0) exact[i].position_in_world = noisy[i].position_in_world;
+  }
+  const GeoregistrationResult alike = Georegister(exact, {});
+  for (std::size_t i = 0; i < exact.size(); i += 3) {
+    exact[i].sigma_horizontal_m = exact[i].sigma_vertical_m = 0.02;
+  }
+  const GeoregistrationResult weighted = Georegister(exact, {});
+  ASSERT_TRUE(alike.world_from_model && weighted.world_from_model);
+  const double true_scale = TrueWorldFromModel().scale;
+  EXPECT_GT(std::abs(alike.world_from_model->scale / true_scale - 1), 1e-3);
+  EXPECT_LT(std::abs(weighted.world_from_model->scale / true_scale - 1), 2e-4);
+}
+
+TEST(Georegister, RefusesImpossibleAccuracies) {
+  std::vector<MeasuredCamera> cameras = RectangleFlight(5);
+  cameras[2].sigma_vertical_m = 0;
+  EXPECT_THROW(Georegister(cameras, {}), Error);
+  cameras[2].sigma_vertical_m = 1;
+  cameras[2].up_in_cam = Eigen::Vector3d(0, 0, 2);
+  EXPECT_THROW(Georegister(cameras, {}), Error);
+}
+
+TEST(GeoregistrationReport, NamesWhatDisagreesInMetres) {
+  std::vector<MeasuredCamera> cameras = RectangleFlight(10);
+  cameras[4].position_in_world += Eigen::Vector3d(30, 40, -12);
+  const GeoregistrationResult result = Georegister(cameras, {});
+  const Json report = Json::parse(GeoregistrationReport(result));
+  EXPECT_TRUE(report["georegistered"].get<bool>());
+  EXPECT_NEAR(report["scale"].get<double>(), TrueWorldFromModel().scale, 1e-6);
+  EXPECT_EQ(report["disagreeing"], Json::array({"photo4.jpg"}));
+  ASSERT_EQ(report["photos"].size(), 10U);
+  EXPECT_NEAR(report["photos"][4]["horizontal_m"].get<double>(), 50, 1e-6);
+  EXPECT_NEAR(report["photos"][4]["vertical_m"].get<double>(), 12, 1e-6);
+  EXPECT_FALSE(report["photos"][4]["agrees"].get<bool>());
+  EXPECT_LT(report["rms_m"].get<double>(), 1e-6);
+  const Json refusal = Json::parse(GeoregistrationReport(Georegister({cameras[0]}, {})));
+  EXPECT_FALSE(refusal["georegistered"].get<bool>());
+  EXPECT_NE(refusal["refusal"].get<std::string>(), "");
+}
+
+TEST(ComparePositions, MeasuresAModelThatIsInTheWorld) {
+  std::vector<MeasuredCamera> cameras = RectangleFlight(6);
+  for (MeasuredCamera& camera : cameras) {
+    camera.cam_from_model = TransformCameraWorld(TrueWorldFromModel(), camera.cam_from_model);
+    camera.position_in_world += Eigen::Vector3d(3, 4, 0);
+  }
+  const GeoregistrationResult result = ComparePositions(cameras, {});
+  EXPECT_NEAR(result.rms_m, 5, 1e-9);
+  EXPECT_EQ(result.num_used, 6);
+  EXPECT_EQ(result.world_from_model->scale, 1);
 }
 
 }  // namespace

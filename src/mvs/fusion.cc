@@ -119,6 +119,17 @@ std::pair<std::size_t, std::size_t> ChooseAgreement(const std::vector<Hit>& hits
   return {chosen->first, chosen->last};
 }
 
+// Share of facets with a corner whose inverse depth changed by more than `tolerance` of it.
+double MovedShare(const std::vector<Eigen::Vector3d>& before,
+                  const std::vector<Eigen::Vector3d>& after, double tolerance) {
+  if (before.empty()) return 0;
+  std::size_t moved = 0;
+  for (std::size_t t = 0; t < before.size(); ++t) {
+    moved += ((after[t] - before[t]).array().abs() > tolerance * before[t].array().abs()).any();
+  }
+  return static_cast<double>(moved) / static_cast<double>(before.size());
+}
+
 }  // namespace
 
 std::vector<DepthRow> CollectFusionRows(const std::vector<ViewMesh>& views,
@@ -127,6 +138,8 @@ std::vector<DepthRow> CollectFusionRows(const std::vector<ViewMesh>& views,
                                         const SuperpixelStereoOptions& options) {
   const ViewMesh& mesh = views[static_cast<std::size_t>(view)];
   std::vector<Hit> hits;
+  hits.reserve(static_cast<std::size_t>(2 * mesh.camera.width * mesh.camera.height) /
+               static_cast<std::size_t>(options.fusion_step_px * options.fusion_step_px));
   for (const int j : neighbors_of_view) {
     CollectHits(mesh, lookups[static_cast<std::size_t>(view)], views[static_cast<std::size_t>(j)],
                 lookups[static_cast<std::size_t>(j)], options, &hits);
@@ -160,22 +173,32 @@ std::vector<DepthRow> CollectFusionRows(const std::vector<ViewMesh>& views,
   return rows;
 }
 
-void FuseViews(const std::vector<LinearStereo>& solvers,
-               const std::vector<std::vector<int>>& neighbors,
-               const std::vector<std::vector<DepthRow>>& extra_rows,
-               const SuperpixelStereoOptions& options, const JobControl& job,
-               std::vector<ViewLookup>* lookups, std::vector<ViewMesh>* views) {
-  std::vector<ViewMesh> refined = *views;
+double FuseViews(const std::vector<LinearStereo>& solvers,
+                 const std::vector<std::vector<int>>& neighbors,
+                 const std::vector<std::vector<DepthRow>>& extra_rows,
+                 const std::vector<const FacetDepths*>& known,
+                 const SuperpixelStereoOptions& options, const JobControl& job,
+                 std::vector<ViewLookup>* lookups, std::vector<ViewMesh>* views) {
+  std::vector<FacetDepths> refined(views->size());
+  std::vector<double> moved_share(views->size());
   tbb::parallel_for(std::size_t{0}, views->size(), [&](std::size_t i) {
     job.ThrowIfCancelled();
-    std::vector<DepthRow> rows =
-        CollectFusionRows(*views, *lookups, neighbors[i], static_cast<int>(i), options);
-    rows.insert(rows.end(), extra_rows[i].begin(), extra_rows[i].end());
-    std::vector<std::uint8_t> fixed;
-    for (std::size_t t = 0; t < refined[i].image.triangles.size(); ++t) {
-      fixed.push_back(IsFree(refined[i], t, options) ? 0 : 1);
+    const ViewMesh& view = (*views)[i];
+    if (known[i] != nullptr) {
+      refined[i] = *known[i];
+    } else {
+      std::vector<DepthRow> rows =
+          CollectFusionRows(*views, *lookups, neighbors[i], static_cast<int>(i), options);
+      rows.insert(rows.end(), extra_rows[i].begin(), extra_rows[i].end());
+      std::vector<std::uint8_t> fixed;
+      for (std::size_t t = 0; t < view.image.triangles.size(); ++t) {
+        fixed.push_back(IsFree(view, t, options) ? 0 : 1);
+      }
+      refined[i] = {view.inverse_depth, view.supported};
+      solvers[i].Refine(fixed, rows, &refined[i].inverse_depth, &refined[i].supported);
     }
-    solvers[i].Refine(fixed, rows, &refined[i]);
+    moved_share[i] =
+        MovedShare(view.inverse_depth, refined[i].inverse_depth, options.fusion_tolerance);
   });
   tbb::parallel_for(std::size_t{0}, views->size(), [&](std::size_t i) {
     (*views)[i].inverse_depth.swap(refined[i].inverse_depth);
@@ -183,6 +206,7 @@ void FuseViews(const std::vector<LinearStereo>& solvers,
     (*lookups)[i] = ViewLookup((*views)[i], (*lookups)[i].triangle_at);
   });
   EvaluateConfidence(*lookups, neighbors, options, views);
+  return views->empty() ? 0 : *std::max_element(moved_share.begin(), moved_share.end());
 }
 
 }  // namespace colmap_ext

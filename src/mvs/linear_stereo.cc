@@ -155,11 +155,12 @@ void LinearStereo::Impl::SolveInitially() {
 
 LinearStereo::LinearStereo(const PhotoSet& photos, int photo_index,
                            const std::vector<int>& points_of_photo, const ImageMesh& mesh,
-                           const cv::Mat1i& triangle_at, const SuperpixelStereoOptions& options)
-    : impl_(std::make_unique<Impl>()) {
+                           const cv::Mat1i& triangle_at, const SuperpixelStereoOptions& options) {
   ThrowIfInvalid(options.Check());
   const PosedPhoto& photo = photos.photos[static_cast<std::size_t>(photo_index)];
-  ViewMesh& view = impl_->initial;
+  const auto impl = std::make_shared<Impl>();
+  impl_ = impl;
+  ViewMesh& view = impl->initial;
   view.photo_index = photo_index;
   view.camera = photo.camera;
   view.cam_from_world = photo.cam_from_world;
@@ -167,33 +168,35 @@ LinearStereo::LinearStereo(const PhotoSet& photos, int photo_index,
   view.inverse_depth.assign(mesh.triangles.size(), Eigen::Vector3d::Zero());
   view.confidence.assign(mesh.triangles.size(), 0.0F);
   view.supported.assign(mesh.triangles.size(), 0);
-  impl_->options = options;
+  impl->options = options;
   const std::vector<FacetEdge> edges = CollectEdges(mesh, options);
-  impl_->system.emplace(mesh.triangles.size(), edges, options.smoothness_weight,
-                        options.continuity_weight);
-  impl_->sfm_rows = CollectSfmRows(photos, photo_index, points_of_photo, mesh, triangle_at);
-  if (impl_->sfm_rows.empty()) return;
+  impl->system.emplace(mesh.triangles.size(), edges, options.smoothness_weight,
+                       options.continuity_weight);
+  impl->sfm_rows = CollectSfmRows(photos, photo_index, points_of_photo, mesh, triangle_at);
+  if (impl->sfm_rows.empty()) return;
 
   std::vector<double> inverse_depths;
-  for (const DepthRow& row : impl_->sfm_rows) inverse_depths.push_back(row.inverse_depth);
-  impl_->scale = Median(inverse_depths);
-  for (DepthRow& row : impl_->sfm_rows) row.inverse_depth /= impl_->scale;
-  const std::vector<double> distance = DistanceToSupport(mesh, edges, impl_->sfm_rows);
-  impl_->SolveInitially();
+  for (const DepthRow& row : impl->sfm_rows) inverse_depths.push_back(row.inverse_depth);
+  impl->scale = Median(inverse_depths);
+  for (DepthRow& row : impl->sfm_rows) row.inverse_depth /= impl->scale;
+  const std::vector<double> distance = DistanceToSupport(mesh, edges, impl->sfm_rows);
+  impl->SolveInitially();
   for (std::size_t t = 0; t < distance.size(); ++t) {
     view.supported[t] =
         distance[t] <= options.max_support_px && view.inverse_depth[t].minCoeff() > 0;
   }
 }
 
-LinearStereo::~LinearStereo() = default;
-LinearStereo::LinearStereo(LinearStereo&&) noexcept = default;
-LinearStereo& LinearStereo::operator=(LinearStereo&&) noexcept = default;
-
 const ViewMesh& LinearStereo::initial() const { return impl_->initial; }
 
 void LinearStereo::Refine(const std::vector<std::uint8_t>& fixed, const std::vector<DepthRow>& rows,
                           ViewMesh* mesh) const {
+  Refine(fixed, rows, &mesh->inverse_depth, &mesh->supported);
+}
+
+void LinearStereo::Refine(const std::vector<std::uint8_t>& fixed, const std::vector<DepthRow>& rows,
+                          std::vector<Eigen::Vector3d>* inverse_depth,
+                          std::vector<std::uint8_t>* supported) const {
   double scale = impl_->scale;
   if (scale == 0) {
     if (rows.empty()) return;
@@ -206,21 +209,21 @@ void LinearStereo::Refine(const std::vector<std::uint8_t>& fixed, const std::vec
     all_rows.push_back(row);
     all_rows.back().inverse_depth /= scale;
   }
-  std::vector<Eigen::Vector3d> depth = mesh->inverse_depth;
+  std::vector<Eigen::Vector3d> depth = *inverse_depth;
   for (Eigen::Vector3d& corners : depth) corners /= scale;
   if (!FacetSolver(*impl_->system, fixed).Solve(1.0, all_rows, &depth)) {
     throw Error("superpixel stereo: the fusion system of photo " +
-                std::to_string(mesh->photo_index) + " cannot be factorised");
+                std::to_string(impl_->initial.photo_index) + " cannot be factorised");
   }
-  mesh->supported = impl_->initial.supported;
-  for (const DepthRow& row : rows) mesh->supported[static_cast<std::size_t>(row.triangle)] = 1;
+  *supported = impl_->initial.supported;
+  for (const DepthRow& row : rows) (*supported)[static_cast<std::size_t>(row.triangle)] = 1;
   for (std::size_t t = 0; t < depth.size(); ++t) {
     if (fixed[t] != 0) {
-      mesh->supported[t] = 1;
+      (*supported)[t] = 1;
       continue;
     }
-    mesh->inverse_depth[t] = scale * depth[t];
-    if (!(mesh->inverse_depth[t].minCoeff() > 0)) mesh->supported[t] = 0;
+    (*inverse_depth)[t] = scale * depth[t];
+    if (!((*inverse_depth)[t].minCoeff() > 0)) (*supported)[t] = 0;
   }
 }
 

@@ -86,6 +86,9 @@ std::string SuperpixelStereoOptions::Check() const {
       .In("fusion_color_sigma", fusion_color_sigma, 1, 1000)
       .In("fusion_space_tolerance", fusion_space_tolerance, kTiny, 1)
       .In("fusion_step_px", fusion_step_px, 1, 64)
+      .In("photometric_weight", photometric_weight, kTiny, 1e6)
+      .In("photometric_min_correlation", photometric_min_correlation, 0, 1)
+      .In("sigma_photometric", sigma_photometric, kTiny, 1e3)
       .complaint();
 }
 
@@ -132,6 +135,14 @@ void BindOptions(OptionSet& set, SuperpixelStereoOptions* options) {
           "corresponding facets agree within this share of depth (0 to 1)");
   set.Add(section, "fusion_step_px", &options->fusion_step_px,
           "pixel grid on which corresponding facets are looked up (px, 1 to 64)");
+  set.Add(section, "photometric", &options->photometric,
+          "compare facets with the neighbouring photos, and mend those that disagree (0 or 1)");
+  set.Add(section, "photometric_weight", &options->photometric_weight,
+          "lambda_p, of what the photos say about a facet's plane (> 0)");
+  set.Add(section, "photometric_min_correlation", &options->photometric_min_correlation,
+          "planes that correlate less with the neighbouring photos say nothing (0 to 1)");
+  set.Add(section, "sigma_photometric", &options->sigma_photometric,
+          "sigma_c of the confidence: missing correlation with the neighbouring photos");
 }
 
 std::string PointSamplerOptions::Check() const {

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "colmap_ext/mvs/depth_map.h"
+#include "colmap_ext/scene/ply.h"
 #include "colmap_ext/scene/reconstruction_io.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
@@ -65,6 +66,61 @@ std::string PatchMatchConfig(const PhotoSet& photos,
   return text.str();
 }
 
+// The columns of a mesh's PLY file.
+class ViewMeshPly {
+ public:
+  ViewMeshPly() {
+    for (const char* name : {"x", "y", "z"}) Column(name, PlyType::kFloat64);
+    for (const char* name : {"nx", "ny", "nz"}) Column(name, PlyType::kFloat32);
+    for (const char* name : {"red", "green", "blue"}) Column(name, PlyType::kUInt8);
+    Column("depth", PlyType::kFloat32);
+    Column("confidence", PlyType::kFloat32);
+    corners_.name = "vertex_indices";
+  }
+
+  void Add(const ViewMesh& view, double min_confidence) {
+    for (std::size_t t = 0; t < view.image.triangles.size(); ++t) {
+      if (view.supported[t] != 0 && view.confidence[t] >= min_confidence) AddFacet(view, t);
+    }
+  }
+
+  void Write(const std::filesystem::path& path) {
+    vertices_.name = "vertex";
+    vertices_.count = vertices_.scalars[0].values.size();
+    PlyElement faces;
+    faces.name = "face";
+    faces.count = corners_.NumRows();
+    faces.lists.push_back(corners_);
+    WritePly({{}, {vertices_, faces}}, path);
+  }
+
+ private:
+  void Column(const char* name, PlyType type) { vertices_.scalars.push_back({name, type, {}}); }
+
+  void AddFacet(const ViewMesh& view, std::size_t t) {
+    const double first = static_cast<double>(vertices_.scalars[0].values.size());
+    const Eigen::Vector3d normal = TriangleNormalInWorld(view, static_cast<int>(t));
+    const Eigen::Vector3f rgb = view.image.mean_bgr[t].reverse();
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d corner = CornerInWorld(view, static_cast<int>(t), k);
+      std::size_t column = 0;
+      for (int c = 0; c < 3; ++c) vertices_.scalars[column++].values.push_back(corner[c]);
+      for (int c = 0; c < 3; ++c) vertices_.scalars[column++].values.push_back(normal[c]);
+      for (int c = 0; c < 3; ++c) {
+        vertices_.scalars[column++].values.push_back(cv::saturate_cast<std::uint8_t>(rgb[c]));
+      }
+      vertices_.scalars[column++].values.push_back(1.0 / view.inverse_depth[t][k]);
+      vertices_.scalars[column++].values.push_back(static_cast<double>(view.confidence[t]));
+    }
+    // Positive area in the image (y down) is clockwise for the camera.
+    for (const double corner : {first, first + 2, first + 1}) corners_.items.push_back(corner);
+    corners_.starts.push_back(corners_.items.size());
+  }
+
+  PlyElement vertices_;
+  PlyList corners_;
+};
+
 }  // namespace
 
 ColoredMesh MeshInWorld(const ViewMesh& mesh, double min_confidence) {
@@ -85,9 +141,17 @@ ColoredMesh MeshInWorld(const ViewMesh& mesh, double min_confidence) {
 void WriteViewMeshes(const PhotoSet& photos, const std::vector<ViewMesh>& views,
                      double min_confidence, const std::filesystem::path& folder) {
   tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
-    const ColoredMesh mesh = MeshInWorld(views[i], min_confidence);
-    WriteMesh(mesh.mesh, mesh.color, folder / (photos.photos[i].name + ".ply"));
+    ViewMeshPly ply;
+    ply.Add(views[i], min_confidence);
+    ply.Write(folder / (photos.photos[i].name + ".ply"));
   });
+}
+
+void WriteFusedMesh(const std::vector<ViewMesh>& views, double min_confidence,
+                    const std::filesystem::path& path) {
+  ViewMeshPly ply;
+  for (const ViewMesh& view : views) ply.Add(view, min_confidence);
+  ply.Write(path);
 }
 
 void WriteDenseWorkspace(const PhotoSet& photos, const Reconstruction& model,

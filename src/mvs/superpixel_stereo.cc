@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <atomic>
 
 #include "colmap_ext/mvs/confidence.h"
@@ -10,6 +11,7 @@
 #include "colmap_ext/mvs/neighbors.h"
 #include "colmap_ext/mvs/view_lookup.h"
 #include "colmap_ext/util/error.h"
+#include "mvs/memory_keys.h"
 #include "mvs/raster.h"
 
 namespace colmap_ext {
@@ -36,60 +38,167 @@ void ForEachPhoto(std::size_t count, const char* stage, const JobControl& job, c
   });
 }
 
+// The stages of one run, each photo's part taken from the memory where its input is what it was.
+class StereoRun {
+ public:
+  StereoRun(const PhotoSet& photos, const SuperpixelOptions& superpixel_options,
+            const SuperpixelStereoOptions& options, const JobControl& job, bool remembers,
+            StereoMemory* memory)
+      : photos_(photos),
+        superpixel_options_(superpixel_options),
+        options_(options),
+        job_(job),
+        remembers_(remembers) {
+    // Photos that are gone are forgotten.
+    std::map<std::string, PhotoMemory> present;
+    for (const PosedPhoto& photo : photos.photos) {
+      present[photo.name] = std::move(memory->photo[photo.name]);
+    }
+    memory->photo.swap(present);
+    for (const PosedPhoto& photo : photos.photos) {
+      memory_.push_back(&memory->photo.at(photo.name));
+    }
+  }
+
+  SuperpixelStereoResult Run() {
+    const StageTimer superpixel_timer;
+    Segment();
+    result_.superpixels = superpixel_timer.Stop();
+    const StageTimer stereo_timer;
+    SolveInitially();
+    result_.stereo = stereo_timer.Stop();
+    const StageTimer fusion_timer;
+    Fuse();
+    result_.fusion = fusion_timer.Stop();
+    return std::move(result_);
+  }
+
+ private:
+  std::size_t count() const { return photos_.photos.size(); }
+
+  // Over-segmentation into polygons, split into triangles.
+  void Segment() {
+    std::atomic<int> reused = 0;
+    ForEachPhoto(count(), "superpixels", job_, [&](std::size_t i) {
+      const PosedPhoto& photo = photos_.photos[i];
+      PhotoMemory& memory = *memory_[i];
+      const std::uint64_t key = PartitionKey(photo, superpixel_options_);
+      if (memory.partition != nullptr && memory.partition_key == key) {
+        ++reused;
+        return;
+      }
+      memory = {};
+      memory.partition_key = key;
+      memory.partition = std::make_shared<ImageMesh>(SegmentPhoto(photo.bgr, superpixel_options_));
+      memory.triangle_at =
+          RasterizeTriangleIds(*memory.partition, photo.camera.width, photo.camera.height);
+    });
+    result_.reused.partitions = reused;
+  }
+
+  // Initialization: each view alone, without the fusion term.
+  void SolveInitially() {
+    result_.neighbors = FindNeighbors(photos_, options_);
+    const std::vector<std::vector<int>> points = PointsOfPhotos(photos_);
+    result_.views.resize(count());
+    solve_keys_.resize(count());
+    std::vector<std::unique_ptr<ViewLookup>> lookups(count());
+    std::atomic<int> reused = 0;
+    ForEachPhoto(count(), "stereo", job_, [&](std::size_t i) {
+      PhotoMemory& memory = *memory_[i];
+      solve_keys_[i] = SolveKey(memory.partition_key, photos_, i, points[i], options_);
+      if (memory.solver != nullptr && memory.solve_key == solve_keys_[i]) {
+        ++reused;
+      } else {
+        memory.solve_key = solve_keys_[i];
+        memory.solver =
+            std::make_shared<LinearStereo>(photos_, static_cast<int>(i), points[i],
+                                           *memory.partition, memory.triangle_at, options_);
+      }
+      result_.views[i] = memory.solver->initial();
+      result_.views[i].photo_index = static_cast<int>(i);  // photos before it may be new
+      lookups[i] = std::make_unique<ViewLookup>(result_.views[i], memory.triangle_at);
+    });
+    result_.reused.solves = reused;
+    for (std::size_t i = 0; i < count(); ++i) {
+      solvers_.push_back(*memory_[i]->solver);
+      lookups_.push_back(std::move(*lookups[i]));
+    }
+  }
+
+  // Confidence evaluation and multi-view depth fusion.
+  void Fuse() {
+    EvaluateConfidence(lookups_, result_.neighbors, options_, &result_.views);
+    const std::vector<std::vector<DepthRow>> extra_rows(count());  // beside those of fusion
+    for (int pass = 0; pass < options_.fusion_passes; ++pass) {
+      const double moving_share = FuseOnce(static_cast<std::size_t>(pass), extra_rows);
+      job_.Progress("fusion", static_cast<std::size_t>(pass) + 1,
+                    static_cast<std::size_t>(options_.fusion_passes));
+      if (moving_share < options_.fusion_moving_share) break;
+    }
+  }
+
+  double FuseOnce(std::size_t pass, const std::vector<std::vector<DepthRow>>& extra_rows) {
+    std::vector<std::uint64_t> view_keys(count());
+    std::vector<std::uint64_t> pass_keys(count());
+    std::vector<const FacetDepths*> known(count());
+    tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t i) {
+      view_keys[i] = ViewKey(solve_keys_[i], result_.views[i]);
+    });
+    for (std::size_t i = 0; remembers_ && i < count(); ++i) {
+      pass_keys[i] = PassKey(view_keys, i, result_.neighbors[i], extra_rows[i]);
+      std::vector<PhotoMemory::Pass>& passes = memory_[i]->passes;
+      passes.resize(std::max(passes.size(), pass + 1));
+      if (passes[pass].key == pass_keys[i]) known[i] = &passes[pass].depths;
+      result_.reused.passes += known[i] != nullptr;
+    }
+    const double moving_share = FuseViews(solvers_, result_.neighbors, extra_rows, known, options_,
+                                          job_, &lookups_, &result_.views);
+    for (std::size_t i = 0; remembers_ && i < count(); ++i) {
+      if (known[i] != nullptr) continue;
+      const ViewMesh& view = result_.views[i];
+      memory_[i]->passes[pass] = {pass_keys[i], {view.inverse_depth, view.supported}};
+    }
+    return moving_share;
+  }
+
+  const PhotoSet& photos_;
+  const SuperpixelOptions& superpixel_options_;
+  const SuperpixelStereoOptions& options_;
+  const JobControl& job_;
+  const bool remembers_;              // false: `memory` is dropped after the run
+  std::vector<PhotoMemory*> memory_;  // of each photo
+  std::vector<std::uint64_t> solve_keys_;
+  std::vector<LinearStereo> solvers_;
+  std::vector<ViewLookup> lookups_;
+  SuperpixelStereoResult result_;
+};
+
+SuperpixelStereoResult CheckAndRun(const PhotoSet& photos,
+                                   const SuperpixelOptions& superpixel_options,
+                                   const SuperpixelStereoOptions& options, const JobControl& job,
+                                   bool remembers, StereoMemory* memory) {
+  ThrowIfInvalid(superpixel_options.Check());
+  ThrowIfInvalid(options.Check());
+  RequirePixels(photos);
+  return StereoRun(photos, superpixel_options, options, job, remembers, memory).Run();
+}
+
 }  // namespace
 
 SuperpixelStereoResult RunSuperpixelStereo(const PhotoSet& photos,
                                            const SuperpixelOptions& superpixel_options,
                                            const SuperpixelStereoOptions& options,
                                            const JobControl& job) {
-  ThrowIfInvalid(superpixel_options.Check());
-  ThrowIfInvalid(options.Check());
-  RequirePixels(photos);
-  const std::size_t count = photos.photos.size();
-  SuperpixelStereoResult result;
+  StereoMemory memory;
+  return CheckAndRun(photos, superpixel_options, options, job, false, &memory);
+}
 
-  // Over-segmentation into polygons, split into triangles.
-  const StageTimer superpixel_timer;
-  std::vector<ImageMesh> partitions(count);
-  ForEachPhoto(count, "superpixels", job, [&](std::size_t i) {
-    partitions[i] = SegmentPhoto(photos.photos[i].bgr, superpixel_options);
-  });
-  result.superpixels = superpixel_timer.Stop();
-
-  // Initialization: each view alone, without the fusion term.
-  const StageTimer stereo_timer;
-  result.neighbors = FindNeighbors(photos, options);
-  const std::vector<std::vector<int>> points = PointsOfPhotos(photos);
-  result.views.resize(count);
-  std::vector<std::unique_ptr<LinearStereo>> solver_of_photo(count);
-  std::vector<std::unique_ptr<ViewLookup>> lookup_of_photo(count);
-  ForEachPhoto(count, "stereo", job, [&](std::size_t i) {
-    const cv::Mat1i triangle_at = RasterizeTriangleIds(partitions[i], photos.photos[i].camera.width,
-                                                       photos.photos[i].camera.height);
-    solver_of_photo[i] = std::make_unique<LinearStereo>(photos, static_cast<int>(i), points[i],
-                                                        partitions[i], triangle_at, options);
-    result.views[i] = solver_of_photo[i]->initial();
-    lookup_of_photo[i] = std::make_unique<ViewLookup>(result.views[i], triangle_at);
-  });
-  std::vector<LinearStereo> solvers;
-  std::vector<ViewLookup> lookups;
-  for (std::size_t i = 0; i < count; ++i) {
-    solvers.push_back(std::move(*solver_of_photo[i]));
-    lookups.push_back(std::move(*lookup_of_photo[i]));
-  }
-  result.stereo = stereo_timer.Stop();
-
-  // Confidence evaluation and multi-view depth fusion.
-  const StageTimer fusion_timer;
-  EvaluateConfidence(lookups, result.neighbors, options, &result.views);
-  const std::vector<std::vector<DepthRow>> extra_rows(count);  // beside those of fusion
-  for (int pass = 0; pass < options.fusion_passes; ++pass) {
-    FuseViews(solvers, result.neighbors, extra_rows, options, job, &lookups, &result.views);
-    job.Progress("fusion", static_cast<std::size_t>(pass) + 1,
-                 static_cast<std::size_t>(options.fusion_passes));
-  }
-  result.fusion = fusion_timer.Stop();
-  return result;
+SuperpixelStereoResult UpdateSuperpixelStereo(const PhotoSet& photos,
+                                              const SuperpixelOptions& superpixel_options,
+                                              const SuperpixelStereoOptions& options,
+                                              const JobControl& job, StereoMemory* memory) {
+  return CheckAndRun(photos, superpixel_options, options, job, true, memory);
 }
 
 }  // namespace colmap_ext

@@ -37,12 +37,4 @@ ViewLookup::ViewLookup(const ViewMesh& mesh, cv::Mat1i triangle_ids)
   }
 }
 
-int ViewLookup::TriangleAt(const Eigen::Vector2d& pixel) const {
-  if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < triangle_at.cols &&
-        pixel.y() < triangle_at.rows)) {
-    return -1;
-  }
-  return triangle_at(static_cast<int>(pixel.y()), static_cast<int>(pixel.x()));
-}
-
 }  // namespace colmap_ext

@@ -149,6 +149,94 @@ TEST(SuperpixelStereo, DoesNotDependOnTheNumberOfThreads) {
   }
 }
 
+void ExpectSame(const SuperpixelStereoResult& a, const SuperpixelStereoResult& b) {
+  EXPECT_EQ(a.neighbors, b.neighbors);
+  ASSERT_EQ(a.views.size(), b.views.size());
+  for (std::size_t i = 0; i < a.views.size(); ++i) {
+    EXPECT_EQ(a.views[i].photo_index, b.views[i].photo_index);
+    EXPECT_EQ(a.views[i].inverse_depth, b.views[i].inverse_depth);
+    EXPECT_EQ(a.views[i].confidence, b.views[i].confidence);
+    EXPECT_EQ(a.views[i].supported, b.views[i].supported);
+  }
+}
+
+// The survey without the photos from `count` on, as it was before they were taken.
+PhotoSet FirstPhotos(const PhotoSet& all, int count) {
+  PhotoSet photos = all;
+  photos.photos.resize(static_cast<std::size_t>(count));
+  for (SupportPoint& point : photos.points) {
+    std::erase_if(point.photo_indices, [&](int index) { return index >= count; });
+  }
+  std::erase_if(photos.points,
+                [](const SupportPoint& point) { return point.photo_indices.size() < 2; });
+  return photos;
+}
+
+TEST(SuperpixelStereo, AnUpdateGivesWhatARunFromScratchGives) {
+  const AnalyticSurvey survey = BoxSurvey(400, 6);
+  StereoMemory memory;
+  UpdateSuperpixelStereo(FirstPhotos(survey.photos, 5), {}, {}, JobControl(), &memory);
+  const auto updated = UpdateSuperpixelStereo(survey.photos, {}, {}, JobControl(), &memory);
+  EXPECT_EQ(updated.reused.partitions, 5);
+  EXPECT_LT(updated.reused.passes, 18);
+  ExpectSame(updated, RunSuperpixelStereo(survey.photos, {}, {}, JobControl()));
+
+  // Nothing new: nothing is solved again.
+  const auto again = UpdateSuperpixelStereo(survey.photos, {}, {}, JobControl(), &memory);
+  EXPECT_EQ(again.reused.partitions, 6);
+  EXPECT_EQ(again.reused.solves, 6);
+  EXPECT_GE(again.reused.passes, 6);
+  ExpectSame(again, updated);
+
+  // A pose that moves: its photo is solved again, its superpixels stay.
+  PhotoSet moved = survey.photos;
+  moved.photos[2].cam_from_world.translation.x() += 1e-3;
+  const auto after_move = UpdateSuperpixelStereo(moved, {}, {}, JobControl(), &memory);
+  EXPECT_EQ(after_move.reused.partitions, 6);
+  EXPECT_EQ(after_move.reused.solves, 5);
+  ExpectSame(after_move, RunSuperpixelStereo(moved, {}, {}, JobControl()));
+
+  // Other options: nothing that depends on them is kept.
+  SuperpixelStereoOptions other;
+  other.smoothness_weight *= 2;
+  const auto changed = UpdateSuperpixelStereo(moved, {}, other, JobControl(), &memory);
+  EXPECT_EQ(changed.reused.partitions, 6);
+  EXPECT_EQ(changed.reused.solves, 0);
+  ExpectSame(changed, RunSuperpixelStereo(moved, {}, other, JobControl()));
+}
+
+TEST(SuperpixelStereo, AnUpdateTouchesOnlyWhatNewPhotosReach) {
+  // Two groups of photos that share nothing: the second one's photos are new.
+  AnalyticSurvey near = BoxSurvey(300, 3);
+  PhotoSet photos = near.photos;
+  StereoMemory memory;
+  UpdateSuperpixelStereo(photos, {}, {}, JobControl(), &memory);
+  for (const SupportPoint& point : near.photos.points) {
+    photos.points.push_back(point);
+    for (int& index : photos.points.back().photo_indices) index += 3;
+  }
+  for (PosedPhoto photo : near.photos.photos) {
+    photo.name = "new_" + photo.name;
+    photos.photos.push_back(photo);
+  }
+  const auto updated = UpdateSuperpixelStereo(photos, {}, {}, JobControl(), &memory);
+  EXPECT_EQ(updated.reused.partitions, 3);
+  EXPECT_EQ(updated.reused.solves, 3);
+  EXPECT_GE(updated.reused.passes, 3);
+  EXPECT_EQ(updated.reused.passes % 3, 0);
+  ExpectSame(updated, RunSuperpixelStereo(photos, {}, {}, JobControl()));
+}
+
+TEST(SuperpixelStereo, FusionEndsWhenNothingMoves) {
+  const AnalyticSurvey survey = BoxSurvey(300, 4);
+  SuperpixelStereoOptions one_pass;
+  one_pass.fusion_passes = 1;
+  SuperpixelStereoOptions converged_at_once;
+  converged_at_once.fusion_moving_share = 1.0;  // any share below 1 counts as converged
+  ExpectSame(RunSuperpixelStereo(survey.photos, {}, one_pass, JobControl()),
+             RunSuperpixelStereo(survey.photos, {}, converged_at_once, JobControl()));
+}
+
 TEST(SuperpixelStereo, APhotoWithoutPointsIsFilledByItsNeighbours) {
   AnalyticSurvey survey = BoxSurvey(500);
   SuperpixelStereoOptions options;

@@ -1,6 +1,8 @@
 // Multi-view fusion (paper, Sec. "Linear Dense MVS", "Multi-view Depth Fusion").
 #pragma once
 
+#include <Eigen/Core>
+#include <cstdint>
 #include <vector>
 
 #include "colmap_ext/mvs/linear_stereo.h"
@@ -22,15 +24,24 @@ std::vector<DepthRow> CollectFusionRows(const std::vector<ViewMesh>& views,
                                         const std::vector<int>& neighbors_of_view, int view,
                                         const SuperpixelStereoOptions& options);
 
+// The part of a view that a pass changes.
+struct FacetDepths {
+  std::vector<Eigen::Vector3d> inverse_depth;  // as in ViewMesh
+  std::vector<std::uint8_t> supported;         // as in ViewMesh
+};
+
 // One pass: every view is solved again from the result of the pass before (so the order of views
 // and the number of threads do not matter), facets with confidence above options.fixed_confidence
 // fixed; then lookups and confidence are renewed. `solvers`, `lookups` and `views` have one entry a
-// view, and so has `extra_rows`: what else is known of its facets (photometric hypotheses), beside
-// the rows of E_fusion; rows of fixed facets do nothing. Throws CancelledError.
-void FuseViews(const std::vector<LinearStereo>& solvers,
-               const std::vector<std::vector<int>>& neighbors,
-               const std::vector<std::vector<DepthRow>>& extra_rows,
-               const SuperpixelStereoOptions& options, const JobControl& job,
-               std::vector<ViewLookup>* lookups, std::vector<ViewMesh>* views);
+// view, and so have `extra_rows`: what else is known of its facets (photometric hypotheses), beside
+// the rows of E_fusion (rows of fixed facets do nothing), and `known`: null, or the result of the
+// view when it is known already. Returns the largest share of a view's facets whose depth moved by
+// more than options.fusion_tolerance. Throws CancelledError.
+double FuseViews(const std::vector<LinearStereo>& solvers,
+                 const std::vector<std::vector<int>>& neighbors,
+                 const std::vector<std::vector<DepthRow>>& extra_rows,
+                 const std::vector<const FacetDepths*>& known,
+                 const SuperpixelStereoOptions& options, const JobControl& job,
+                 std::vector<ViewLookup>* lookups, std::vector<ViewMesh>* views);
 
 }  // namespace colmap_ext

@@ -33,7 +33,8 @@ std::vector<DepthRow> CollectSfmRows(const PhotoSet& photos, int photo_index,
                                      const std::vector<int>& points_of_photo, const ImageMesh& mesh,
                                      const cv::Mat1i& triangle_at);
 
-// Solves one view, again and again with different rows. Immutable after construction.
+// Solves one view, again and again with different rows. Immutable after construction; copies share
+// what they hold.
 class LinearStereo {
  public:
   // `mesh` is the partition of the photo, `triangle_at` its TriangleIdMap, `points_of_photo` its
@@ -41,9 +42,6 @@ class LinearStereo {
   LinearStereo(const PhotoSet& photos, int photo_index, const std::vector<int>& points_of_photo,
                const ImageMesh& mesh, const cv::Mat1i& triangle_at,
                const SuperpixelStereoOptions& options);
-  ~LinearStereo();
-  LinearStereo(LinearStereo&&) noexcept;
-  LinearStereo& operator=(LinearStereo&&) noexcept;
 
   // Minimises Eq. "surface_reconstruction_init": E_sfm + λ_s E_smooth + λ_c E_continuity.
   // Triangles that no SfM point's region reaches have supported == 0; in a view without any SfM
@@ -56,10 +54,14 @@ class LinearStereo {
   // there is nothing to go by.
   void Refine(const std::vector<std::uint8_t>& fixed, const std::vector<DepthRow>& rows,
               ViewMesh* mesh) const;
+  // The same in parts: `inverse_depth` and `supported` of a ViewMesh.
+  void Refine(const std::vector<std::uint8_t>& fixed, const std::vector<DepthRow>& rows,
+              std::vector<Eigen::Vector3d>* inverse_depth,
+              std::vector<std::uint8_t>* supported) const;
 
  private:
   struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::shared_ptr<const Impl> impl_;
 };
 
 }  // namespace colmap_ext

@@ -16,7 +16,14 @@ namespace colmap_ext {
 // colour.
 ColoredMesh MeshInWorld(const ViewMesh& mesh, double min_confidence);
 
-// `<folder>/<photo name>.ply` for each view. `views` has one entry a photo, in order.
+// The meshes of all views together: the paper's fused mesh, "simply putting together" what agrees.
+// PLY with, at each corner, position, normal (unit, facing the camera), colour, `depth` (z in the
+// camera frame of its photo, world units) and `confidence` (Γ of its facet).
+void WriteFusedMesh(const std::vector<ViewMesh>& views, double min_confidence,
+                    const std::filesystem::path& path);
+
+// `<folder>/<photo name>.ply` for each view, the same properties. `views` has one entry a photo, in
+// order.
 void WriteViewMeshes(const PhotoSet& photos, const std::vector<ViewMesh>& views,
                      double min_confidence, const std::filesystem::path& folder);
 

@@ -44,6 +44,12 @@ struct SuperpixelStereoOptions {
                                          // share; (0, 1]
   int fusion_step_px = 4;  // pixel grid on which facets of neighbours are looked up; [1, 64]
 
+  // Photo-consistency: past the paper (mvs/photometric.h).
+  bool photometric = true;
+  double photometric_weight = 1.0;           // λ_p, of what the photos say of a plane; (0, 1e6]
+  double photometric_min_correlation = 0.6;  // planes that correlate less give no rows; [0, 1]
+  double sigma_photometric = 0.4;  // σ_c, of 1 - correlation in Γ's fourth cue; (0, 1e3]
+
   std::string Check() const;
 };
 

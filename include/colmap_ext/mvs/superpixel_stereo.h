@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "colmap_ext/mvs/stereo_memory.h"
 #include "colmap_ext/mvs/stereo_options.h"
 #include "colmap_ext/mvs/superpixels.h"
 #include "colmap_ext/scene/photo.h"
@@ -12,6 +13,13 @@
 
 namespace colmap_ext {
 
+// How many photos' steps were taken from memory.
+struct StereoReuse {
+  int partitions = 0;
+  int solves = 0;
+  int passes = 0;  // over all passes of fusion
+};
+
 struct SuperpixelStereoResult {
   std::vector<ViewMesh> views;              // one a photo, in the order of the photos
   std::vector<std::vector<int>> neighbors;  // of each view, best first
@@ -19,6 +27,7 @@ struct SuperpixelStereoResult {
   StageCost stereo;
   StageCost photometric;
   StageCost fusion;
+  StereoReuse reused;
 };
 
 // Superpixels, initial solve, confidence and fusion of all photos (with pixels). Photos are worked
@@ -29,5 +38,14 @@ SuperpixelStereoResult RunSuperpixelStereo(const PhotoSet& photos,
                                            const SuperpixelOptions& superpixel_options,
                                            const SuperpixelStereoOptions& options,
                                            const JobControl& job);
+
+// The same result to the last bit, sooner: what `memory` holds of earlier runs is used wherever it
+// was computed from the same input. So new photos solve themselves, and of the others only those
+// change that new points, a moved pose or a changed neighbour reach. `memory` is updated; empty at
+// first; after an exception it may be used further.
+SuperpixelStereoResult UpdateSuperpixelStereo(const PhotoSet& photos,
+                                              const SuperpixelOptions& superpixel_options,
+                                              const SuperpixelStereoOptions& options,
+                                              const JobControl& job, StereoMemory* memory);
 
 }  // namespace colmap_ext

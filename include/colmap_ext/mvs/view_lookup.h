@@ -19,7 +19,13 @@ struct ViewLookup {
   ViewLookup(const ViewMesh& mesh, cv::Mat1i triangle_at);
 
   // Triangle at a pixel position; -1 outside.
-  int TriangleAt(const Eigen::Vector2d& pixel) const;
+  int TriangleAt(const Eigen::Vector2d& pixel) const {
+    if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < triangle_at.cols &&
+          pixel.y() < triangle_at.rows)) {
+      return -1;
+    }
+    return triangle_at(static_cast<int>(pixel.y()), static_cast<int>(pixel.x()));
+  }
   // Inverse depth of the plane of triangle `t` on the ray of `pixel`.
   double InverseDepth(int t, const Eigen::Vector2d& pixel) const {
     return plane_in_cam[static_cast<std::size_t>(t)].dot(camera.Ray(pixel));

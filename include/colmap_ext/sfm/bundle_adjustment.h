@@ -20,7 +20,7 @@ struct BundleOptions {
   double keypoint_sigma_px = 1;
   double loss_scale_px = 0.5;  // where the soft L1 loss turns linear; px, >= 0, 0: squares
   // Where the Cauchy loss starts to discount a prior; in sigmas of the prior, > 0.
-  double prior_loss_scale = 2;
+  double prior_loss_scale = 4;
   // What is estimated of the cameras; the photos of a camera share it.
   bool refine_focal_length = false;
   bool refine_principal_point = false;

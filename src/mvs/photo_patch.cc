@@ -9,7 +9,7 @@ namespace {
 using Samples = PhotoPatch::Samples;
 
 constexpr int kColumns = 8;
-constexpr int kRows = 6;
+constexpr int kRows = 4;
 static_assert(kColumns * kRows == PhotoPatch::kSamples);
 
 // Where the samples fall in the neighbour: pixel positions with whole numbers at pixel centres.

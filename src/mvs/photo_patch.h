@@ -16,7 +16,7 @@ using PatchPlane = Eigen::Vector3f;
 // A fixed number of pixels on a grid over a facet and a margin, and their weights: 1 on the facet's
 // own superpixel, less on others the more their colour differs.
 struct PhotoPatch {
-  static constexpr int kSamples = 48;
+  static constexpr int kSamples = 32;
   using Samples = Eigen::Array<float, kSamples, 1>;
 
   Samples x, y;         // pixel positions about the centre

@@ -8,7 +8,6 @@ namespace colmap_ext {
 namespace {
 
 constexpr std::size_t kMaxHypotheses = 8;  // of a superpixel
-constexpr int kQuickNeighbors = 4;         // that decide between hypotheses
 constexpr float kExplained = 0.85F;        // correlation above which no other plane is tried
 constexpr float kHopeless = 0.2F;  // two neighbours that are so much worse decide against a plane
 constexpr float kGain = 0.03F;     // by which another plane must be better
@@ -58,12 +57,11 @@ const PhotoPatch& PlaneSearch::patch(std::size_t t) {
   return patches_[t];
 }
 
-PatchScore PlaneSearch::Score(std::size_t t, const PatchPlane& plane, int max_neighbors,
-                              float hopeless) {
+PatchScore PlaneSearch::Score(std::size_t t, const PatchPlane& plane, float hopeless) {
   PatchScore score;
   score.correlation.fill(kUnseen);
   std::array<float, PatchScore::kMaxNeighbors> seen;
-  for (std::size_t j = 0; j < transfers_.size() && score.witnesses < max_neighbors; ++j) {
+  for (std::size_t j = 0; j < transfers_.size(); ++j) {
     const float value = CompareInNeighbor(patch(t), plane, transfers_[j]);
     score.correlation[j] = value;
     if (value == kUnseen) continue;
@@ -85,7 +83,7 @@ PatchScore PlaneSearch::Score(std::size_t t, const PatchPlane& plane, int max_ne
 
 PatchScore PlaneSearch::ScorePresentPlane(std::size_t t) {
   if (mesh_.supported[t] == 0) return {};
-  return Score(t, ToPatchPlane(planes_[t], mesh_.camera, patch(t)), PatchScore::kMaxNeighbors);
+  return Score(t, ToPatchPlane(planes_[t], mesh_.camera, patch(t)));
 }
 
 void PlaneSearch::ScorePresentPlanes() {
@@ -107,7 +105,6 @@ void PlaneSearch::TryAround(std::size_t t, bool with_superpixel) {
   const PhotoPatch& patch = this->patch(t);
   std::vector<PatchPlane> tried{ToPatchPlane(planes_[t], mesh_.camera, patch)};
   PatchScore best = scores_[t];
-  if (best.witnesses > kQuickNeighbors) best = Score(t, tried.front(), kQuickNeighbors);
   float wanted = best.best + kGain;
   bool found = false;
   Eigen::Vector3d best_plane = planes_[t];
@@ -115,7 +112,7 @@ void PlaneSearch::TryAround(std::size_t t, bool with_superpixel) {
     const PatchPlane on_patch = ToPatchPlane(plane, mesh_.camera, patch);
     if (!(on_patch[0] > 0) || !IsNew(t, on_patch, tried)) return;
     tried.push_back(on_patch);
-    const PatchScore score = Score(t, on_patch, kQuickNeighbors, wanted - kHopeless);
+    const PatchScore score = Score(t, on_patch, wanted - kHopeless);
     if (score.witnesses < 2 || score.best < wanted) return;
     wanted = score.best;
     best_plane = plane;
@@ -143,7 +140,7 @@ void PlaneSearch::TryAround(std::size_t t, bool with_superpixel) {
   }
   if (!found) return;
   planes_[t] = best_plane;
-  scores_[t] = Score(t, ToPatchPlane(best_plane, mesh_.camera, patch), PatchScore::kMaxNeighbors);
+  scores_[t] = Score(t, ToPatchPlane(best_plane, mesh_.camera, patch));
 }
 
 void PlaneSearch::TryHypotheses() {

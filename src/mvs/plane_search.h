@@ -14,7 +14,7 @@ namespace colmap_ext {
 
 // Correlations with the neighbours; unseen ones are kUnseen.
 struct PatchScore {
-  static constexpr int kMaxNeighbors = 6;
+  static constexpr int kMaxNeighbors = 4;
   std::array<float, kMaxNeighbors> correlation{};
   int witnesses = 0;
   float best = kUnseen;  // mean of the better half of the witnesses, three at most
@@ -22,7 +22,7 @@ struct PatchScore {
 
 class PlaneSearch {
  public:
-  // `transfers`: to the neighbours, best first; those after the sixth are not used. All are
+  // `transfers`: to the neighbours, best first; those after the fourth are not used. All are
   // referred to.
   PlaneSearch(const ViewMesh& mesh, const ViewLookup& lookup, const cv::Mat1f& grey,
               std::vector<PixelTransfer> transfers, const SuperpixelStereoOptions& options);
@@ -44,8 +44,7 @@ class PlaneSearch {
  private:
   struct Refined;
   // Gives up when the first two witnesses are both below `hopeless`.
-  PatchScore Score(std::size_t t, const PatchPlane& plane, int max_neighbors,
-                   float hopeless = kUnseen);
+  PatchScore Score(std::size_t t, const PatchPlane& plane, float hopeless = kUnseen);
   void TryAround(std::size_t t, bool with_superpixel);
   bool IsNew(std::size_t t, const PatchPlane& plane, const std::vector<PatchPlane>& tried) const;
   Refined Refine(std::size_t t);

@@ -9,6 +9,7 @@
 #include "colmap_ext/mvs/fusion.h"
 #include "colmap_ext/mvs/linear_stereo.h"
 #include "colmap_ext/mvs/neighbors.h"
+#include "colmap_ext/mvs/photometric.h"
 #include "colmap_ext/mvs/view_lookup.h"
 #include "colmap_ext/util/error.h"
 #include "mvs/memory_keys.h"
@@ -55,6 +56,7 @@ class StereoRun {
       present[photo.name] = std::move(memory->photo[photo.name]);
     }
     memory->photo.swap(present);
+    photo_rows_.resize(photos.photos.size());
     for (const PosedPhoto& photo : photos.photos) {
       memory_.push_back(&memory->photo.at(photo.name));
     }
@@ -67,6 +69,10 @@ class StereoRun {
     const StageTimer stereo_timer;
     SolveInitially();
     result_.stereo = stereo_timer.Stop();
+    const StageTimer photometric_timer;
+    EvaluateConfidence(lookups_, result_.neighbors, options_, &result_.views);
+    if (options_.photometric) RefineByPhotos();
+    result_.photometric = photometric_timer.Stop();
     const StageTimer fusion_timer;
     Fuse();
     result_.fusion = fusion_timer.Stop();
@@ -126,25 +132,76 @@ class StereoRun {
     }
   }
 
-  // Confidence evaluation and multi-view depth fusion.
-  void Fuse() {
+  // What the photos say about the facets, solved with no facet fixed; then confidence anew.
+  void RefineByPhotos() {
+    photometric_ = std::make_unique<PhotometricStage>(photos_, result_.neighbors, options_);
+    const std::vector<std::uint64_t> view_keys = ViewKeys();
+    ForEachPhoto(count(), "photo-consistency", job_, [&](std::size_t i) {
+      PhotoMemory::PhotometricPass& pass = memory_[i]->photometric;
+      const std::uint64_t key = PassKey(view_keys, i, result_.neighbors[i], {});
+      if (pass.key == key) return;
+      const ViewMesh& view = result_.views[i];
+      pass.rows = photometric_->CollectRows(result_.views, lookups_, static_cast<int>(i));
+      pass.depths = {view.inverse_depth, view.supported};
+      if (!pass.rows.empty()) {
+        const std::vector<std::uint8_t> none_fixed(view.supported.size(), 0);
+        solvers_[i].Refine(none_fixed, pass.rows, &pass.depths.inverse_depth,
+                           &pass.depths.supported);
+      }
+      pass.key = key;
+    });
+    cues_.resize(count());
+    tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t i) {
+      const PhotoMemory::PhotometricPass& pass = memory_[i]->photometric;
+      photo_rows_[i] = pass.rows;
+      result_.views[i].inverse_depth = pass.depths.inverse_depth;
+      result_.views[i].supported = pass.depths.supported;
+      lookups_[i] = ViewLookup(result_.views[i], lookups_[i].triangle_at);
+    });
     EvaluateConfidence(lookups_, result_.neighbors, options_, &result_.views);
-    const std::vector<std::vector<DepthRow>> extra_rows(count());  // beside those of fusion
+    WeighConfidence(std::vector<std::vector<std::uint8_t>>(count()));
+  }
+
+  // Photo-consistency as the fourth factor of Γ; cues of facets with keep[i][t] != 0 are still
+  // those of their planes.
+  void WeighConfidence(const std::vector<std::vector<std::uint8_t>>& keep) {
+    tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t i) {
+      photometric_->EvaluateCues(result_.views, lookups_, static_cast<int>(i), keep[i], &cues_[i]);
+      std::vector<float>& confidence = result_.views[i].confidence;
+      for (std::size_t t = 0; t < confidence.size(); ++t) {
+        confidence[t] *= static_cast<float>(PhotoConsistency(cues_[i][t], options_));
+      }
+    });
+  }
+
+  // Multi-view depth fusion.
+  void Fuse() {
     for (int pass = 0; pass < options_.fusion_passes; ++pass) {
-      const double moving_share = FuseOnce(static_cast<std::size_t>(pass), extra_rows);
+      std::vector<std::vector<std::uint8_t>> fixed(count());
+      for (std::size_t i = 0; i < count(); ++i) {
+        for (const float confidence : result_.views[i].confidence) {
+          fixed[i].push_back(confidence > options_.fixed_confidence);
+        }
+      }
+      const double moving_share = FuseOnce(static_cast<std::size_t>(pass), photo_rows_);
+      if (photometric_) WeighConfidence(fixed);
       job_.Progress("fusion", static_cast<std::size_t>(pass) + 1,
                     static_cast<std::size_t>(options_.fusion_passes));
       if (moving_share < options_.fusion_moving_share) break;
     }
   }
 
+  std::vector<std::uint64_t> ViewKeys() const {
+    std::vector<std::uint64_t> keys(count());
+    tbb::parallel_for(std::size_t{0}, count(),
+                      [&](std::size_t i) { keys[i] = ViewKey(solve_keys_[i], result_.views[i]); });
+    return keys;
+  }
+
   double FuseOnce(std::size_t pass, const std::vector<std::vector<DepthRow>>& extra_rows) {
-    std::vector<std::uint64_t> view_keys(count());
+    const std::vector<std::uint64_t> view_keys = ViewKeys();
     std::vector<std::uint64_t> pass_keys(count());
     std::vector<const FacetDepths*> known(count());
-    tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t i) {
-      view_keys[i] = ViewKey(solve_keys_[i], result_.views[i]);
-    });
     for (std::size_t i = 0; remembers_ && i < count(); ++i) {
       pass_keys[i] = PassKey(view_keys, i, result_.neighbors[i], extra_rows[i]);
       std::vector<PhotoMemory::Pass>& passes = memory_[i]->passes;
@@ -171,6 +228,9 @@ class StereoRun {
   std::vector<std::uint64_t> solve_keys_;
   std::vector<LinearStereo> solvers_;
   std::vector<ViewLookup> lookups_;
+  std::unique_ptr<PhotometricStage> photometric_;  // null: without
+  std::vector<std::vector<DepthRow>> photo_rows_;  // of each photo, empty without
+  std::vector<std::vector<PhotoCue>> cues_;        // of each photo's triangles
   SuperpixelStereoResult result_;
 };
 

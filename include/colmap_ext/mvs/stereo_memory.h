@@ -27,6 +27,11 @@ struct PhotoMemory {
     FacetDepths depths;
   };
   std::vector<Pass> passes;  // of fusion
+  struct PhotometricPass {
+    std::uint64_t key = 0;  // of the view's and its neighbours' initial results
+    std::vector<DepthRow> rows;
+    FacetDepths depths;
+  } photometric;
 };
 
 struct StereoMemory {

@@ -1,8 +1,15 @@
-#include <iostream>
+#include <tbb/parallel_for.h>
 
+#include <iostream>
+#include <opencv2/imgproc.hpp>
+
+#include "colmap_ext/mvs/depth_map.h"
 #include "colmap_ext/mvs/points.h"
 #include "colmap_ext/mvs/stereo_io.h"
 #include "colmap_ext/mvs/superpixel_stereo.h"
+#include "colmap_ext/report/mesh_picture.h"
+#include "colmap_ext/report/photo_picture.h"
+#include "colmap_ext/report/picture_overlay.h"
 #include "colmap_ext/scene/oriented_points_io.h"
 #include "colmap_ext/scene/photo_scale.h"
 #include "colmap_ext/scene/reconstruction_io.h"
@@ -51,16 +58,78 @@ double ConfidentShare(const std::vector<ViewMesh>& views, double min_confidence)
   return all == 0 ? 0 : static_cast<double>(confident) / static_cast<double>(all);
 }
 
+// Depth (near bright, far dark, by inverse depth), normal (as colour) and confidence of each photo.
+void WriteMapPictures(const PhotoSet& photos, const std::vector<ViewMesh>& views,
+                      const std::filesystem::path& folder) {
+  tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
+    const ViewMaps maps = RasterizeView(views[i], 0.0);
+    cv::Mat1f inverse_depth(maps.depth.height, maps.depth.width, 0.0F);
+    cv::Mat3b normal(maps.depth.height, maps.depth.width, cv::Vec3b(0, 0, 0));
+    for (int y = 0; y < maps.depth.height; ++y) {
+      for (int x = 0; x < maps.depth.width; ++x) {
+        if (!(maps.depth.At(y, x) > 0)) continue;
+        inverse_depth(y, x) = 1.0F / maps.depth.At(y, x);
+        for (int c = 0; c < 3; ++c) {
+          normal(y, x)[2 - c] =
+              cv::saturate_cast<std::uint8_t>(127.5F * (1.0F - maps.normal.At(y, x, c)));
+        }
+      }
+    }
+    cv::Mat grey, depth;
+    cv::normalize(inverse_depth, grey, 0, 255, cv::NORM_MINMAX, CV_8U);
+    cv::applyColorMap(grey, depth, cv::COLORMAP_INFERNO);
+    const std::string name = photos.photos[i].name;
+    WritePng(depth, folder / (name + ".depth.png"));
+    WritePng(normal, folder / (name + ".normal.png"));
+    WritePng(DrawConfidence(photos.photos[i].bgr, views[i]), folder / (name + ".confidence.png"));
+  });
+}
+
+// The fused mesh and the fused points, seen from above at an angle.
+void WriteFusedPictures(const std::vector<ViewMesh>& views, double min_confidence,
+                        const OrientedPoints& points, const std::filesystem::path& folder) {
+  ColoredMesh fused;
+  for (const ViewMesh& view : views) {
+    const ColoredMesh part = MeshInWorld(view, min_confidence);
+    const int first = static_cast<int>(fused.mesh.vertices.size());
+    fused.mesh.vertices.insert(fused.mesh.vertices.end(), part.mesh.vertices.begin(),
+                               part.mesh.vertices.end());
+    fused.color.insert(fused.color.end(), part.color.begin(), part.color.end());
+    for (const auto& face : part.mesh.faces) fused.mesh.faces.push_back(face.array() + first);
+  }
+  if (fused.mesh.vertices.empty()) return;
+  const BoundingBox bounds = RobustBounds(fused.mesh.vertices, 0.05);
+  const PictureCamera camera =
+      FitCamera(bounds, {DegToRad(30.0), DegToRad(-30.0)}, cv::Size(1280, 800));
+  PictureOptions flat;
+  flat.shadows = false;
+  const Picture mesh_picture =
+      RenderMesh(fused.mesh, VertexColors(fused.mesh, fused.color), camera, flat);
+  WritePng(mesh_picture.bgr, folder / "fused_mesh.png");
+
+  Picture cloud = RenderMesh({}, ConstantColor({1, 1, 1}), camera, flat);
+  std::vector<Eigen::Vector3d> positions, normals;
+  std::vector<Rgb> colors;
+  for (const OrientedPoint& point : points) {
+    positions.push_back(point.position);
+    normals.push_back(point.normal);
+    colors.push_back(point.color.cast<float>() / 255.0F);
+  }
+  DrawDiscs(positions, normals, colors, 0.0015 * bounds.diagonal().norm(), &cloud);
+  WritePng(cloud.bgr, folder / "fused_points.png");
+}
+
 }  // namespace
 
 int RunSuperpixelStereo(const Arguments& arguments, const CancelFlag& cancel) {
   CommandLine line(
       "superpixel_stereo",
       "Fast linear dense stereo: a mesh for each photo of a sparse model, fused over its "
-      "neighbours. Writes meshes/<name>.ply, fused.ply and dense/, a workspace for "
-      "`colmap stereo_fusion`.");
+      "neighbours. Writes meshes/<name>.ply, fused.ply (points), fused_mesh.ply and dense/, a "
+      "workspace for `colmap stereo_fusion`.");
   Paths paths;
   int max_width_px = 640;
+  bool pictures = false;
   SuperpixelOptions superpixel_options;
   SuperpixelStereoOptions stereo_options;
   PointSamplerOptions point_options;
@@ -70,7 +139,10 @@ int RunSuperpixelStereo(const Arguments& arguments, const CancelFlag& cancel) {
   line.options().Add("", "image_path", &paths.images, "folder of the model's photos");
   line.options().Add("", "output_path", &paths.output, "folder for the results");
   line.options().Add("", "max_width_px", &max_width_px,
-                     "wider photos are scaled down to this width (px, at least 64)");
+                     "wider photos are scaled down to this width (px, at least 64); larger "
+                     "than the photos for their full resolution");
+  line.options().Add("", "pictures", &pictures,
+                     "also write pictures of depth, normals, confidence, fused mesh and points");
   BindOptions(line.options(), &superpixel_options);
   BindOptions(line.options(), &stereo_options);
   BindOptions(line.options(), &point_options);
@@ -98,6 +170,11 @@ int RunSuperpixelStereo(const Arguments& arguments, const CancelFlag& cancel) {
   WriteViewMeshes(photos, result.views, point_options.min_confidence, files.meshes());
   WriteDenseWorkspace(photos, model, result.views, result.neighbors, 0.0, files.dense());
   WriteOrientedPoints(points, files.fused_ply());
+  WriteFusedMesh(result.views, point_options.min_confidence, paths.output / "fused_mesh.ply");
+  if (pictures) {
+    WriteMapPictures(photos, result.views, files.pictures());
+    WriteFusedPictures(result.views, point_options.min_confidence, points, files.pictures());
+  }
   std::cout << photos.photos.size() << " photos, "
             << static_cast<int>(100 * ConfidentShare(result.views, point_options.min_confidence))
             << " % of facets confident, " << points.size() << " points; CPU seconds: superpixels "

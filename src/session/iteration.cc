@@ -114,7 +114,10 @@ void RunStereo(const IterationContext& context, Work* work, const JobControl& jo
   const StageOptions& options = *context.options;
   work->photos = LoadPhotoSet(work->sparse.model, context.sparse.image_path.string(), true);
   DownscalePhotos(options.session.max_image_size_px, &work->photos);
-  work->stereo = RunSuperpixelStereo(work->photos, options.superpixels, options.stereo, job);
+  StereoMemory no_memory;
+  StereoMemory* memory = context.stereo_memory != nullptr ? context.stereo_memory : &no_memory;
+  work->stereo =
+      UpdateSuperpixelStereo(work->photos, options.superpixels, options.stereo, job, memory);
   work->cost["superpixels"] = work->stereo.superpixels;
   work->cost["stereo"] = work->stereo.stereo;
   Timed("fusion", work, job, [&] {

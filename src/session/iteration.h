@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "colmap_ext/mvs/stereo_memory.h"
 #include "colmap_ext/report/summary.h"
 #include "colmap_ext/scene/truth.h"
 #include "colmap_ext/scene/workspace.h"
@@ -22,6 +23,8 @@ struct IterationContext {
   std::filesystem::path initial_model_path;  // model to start from; empty for none
   std::filesystem::path true_poses_path;     // empty without truth
   const GroundTruth* truth = nullptr;        // null without truth
+  // Of the iterations before, in this process; null for none. It saves time and changes nothing.
+  StereoMemory* stereo_memory = nullptr;
 };
 
 struct IterationResult {

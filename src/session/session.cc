@@ -149,6 +149,7 @@ SessionSummary RunSimulation(Session session, const JobControl& job) {
   const Workspace& workspace = session.workspace;
   WriteMesh(site.truth().model, workspace.root() / "truth" / "model.ply");
   session.state.finished.clear();
+  StereoMemory stereo_memory;
   while (session.state.finished.empty()) {
     AnnounceIteration(session, job);
     RemoveUnfinishedIteration(session);
@@ -163,6 +164,7 @@ SessionSummary RunSimulation(Session session, const JobControl& job) {
     context.sparse.frame.origin = site.truth().origin;
     context.true_poses_path = SimulatedSite::TruePosesPath(workspace);
     context.truth = &site.truth();
+    context.stereo_memory = &stereo_memory;
     IterationResult result = RunIteration(context, &session.state, job);
     result.summary.stage_wall_s["capture"] = capture.wall_s;
     result.summary.wall_s += capture.wall_s;

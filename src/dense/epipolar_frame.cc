@@ -66,7 +66,18 @@ bool EpipolarFrame::TryBounds(const PinholeCamera& reference) {
       if (!extend(u, v)) return false;
     }
   }
+  if (!is_planar_) ExtendToPoles(reference);
   return true;
+}
+
+// Around a pole that the photo shows every row begins there.
+void EpipolarFrame::ExtendToPoles(const PinholeCamera& reference) {
+  for (const double side : {-1.0, 1.0}) {
+    const Eigen::Vector3d pole = ToReference(Eigen::Vector3d(side, 0, 0));
+    if (!(pole.z() > 0) || !reference.Contains(reference.Project(pole))) continue;
+    min_position_ = min_position_.cwiseMin(Eigen::Vector2d(side * M_PI_2, -M_PI) * focal_px_);
+    max_position_ = max_position_.cwiseMax(Eigen::Vector2d(side * M_PI_2, M_PI) * focal_px_);
+  }
 }
 
 Eigen::Vector2d EpipolarFrame::Position(const Eigen::Vector3d& d) const {

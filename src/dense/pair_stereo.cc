@@ -42,7 +42,8 @@ struct Disparities {
 
 Disparities FullSearch(const EpipolarFrame& frame, const DepthRange& range) {
   const double parallax = frame.focal_px() * frame.baseline();
-  const double low = parallax / range.max;
+  // Along the baseline there is less parallax, down to none.
+  const double low = frame.is_planar() ? parallax / range.max : 0;
   const double high = parallax / range.min;
   Disparities disparities;
   disparities.offset = std::round(0.5 * (low + high));
@@ -72,7 +73,7 @@ class PairMatcher {
     PairDepth depth;
     depth.inverse_depth = cv::Mat::zeros(reference_.camera.height, reference_.camera.width, CV_32F);
     depth.per_pixel = depth.inverse_depth.clone();
-    const int size_limit = 4 * std::max(reference_.camera.width, reference_.camera.height);
+    const int size_limit = 8 * std::max(reference_.camera.width, reference_.camera.height);
     if (window_.height < 3 || window_.width - 4 * disparities_.half < 3 ||
         window_.width - 2 * disparities_.half > size_limit || window_.height > size_limit) {
       return depth;  // nothing in common, or a photo that looks straight along the baseline

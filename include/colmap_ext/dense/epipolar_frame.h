@@ -51,6 +51,7 @@ class EpipolarFrame {
 
  private:
   bool TryBounds(const PinholeCamera& reference);
+  void ExtendToPoles(const PinholeCamera& reference);
 
   double baseline_ = 0;
   double focal_px_ = 0;

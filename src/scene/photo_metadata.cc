@@ -89,6 +89,26 @@ void ReadDirection(const Exiv2::ExifData& exif, const Exiv2::XmpData& xmp,
   if (*yaw_deg == 0 && *pitch_deg == 0 && roll_deg == 0) return;
   metadata->yaw_rad = NormalizeAngle(DegToRad(*yaw_deg));
   metadata->pitch_rad = DegToRad(*pitch_deg);
+  metadata->roll_rad = NormalizeAngle(DegToRad(roll_deg));
+}
+
+void ReadAccuracy(const Exiv2::ExifData& exif, const Exiv2::XmpData& xmp, PhotoMetadata* metadata) {
+  if (!metadata->gps) return;
+  const auto above_zero = [](std::optional<double> value) {
+    return value && *value > 0 ? value : std::nullopt;
+  };
+  const auto east_m = above_zero(XmpNumber(xmp, "Xmp.drone-dji.RtkStdLon"));
+  const auto north_m = above_zero(XmpNumber(xmp, "Xmp.drone-dji.RtkStdLat"));
+  const auto up_m = above_zero(XmpNumber(xmp, "Xmp.drone-dji.RtkStdHgt"));
+  if (east_m && north_m && up_m) {
+    metadata->gps_sigma_horizontal_m = std::max(*east_m, *north_m);
+    metadata->gps_sigma_vertical_m = *up_m;
+    return;
+  }
+  const auto error_m = above_zero(ExifNumber(exif, "Exif.GPSInfo.GPSHPositioningError"));
+  if (!error_m) return;
+  metadata->gps_sigma_horizontal_m = *error_m;
+  metadata->gps_sigma_vertical_m = 2 * *error_m;
 }
 
 // "2021:08:20 07:34:45" to "2021-08-20T07:34:45"; empty when it is no such time.
@@ -117,6 +137,7 @@ PhotoMetadata MetadataFromImage(const Exiv2::Image& image) {
   metadata.capture_time = IsoTime(ExifText(exif, "Exif.Photo.DateTimeOriginal"),
                                   ExifText(exif, "Exif.Photo.SubSecTimeOriginal"));
   ReadDirection(exif, image.xmpData(), &metadata);
+  ReadAccuracy(exif, image.xmpData(), &metadata);
   return metadata;
 }
 

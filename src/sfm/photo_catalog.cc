@@ -59,6 +59,14 @@ void TakeAttitude(const CaptureRecord& capture, CatalogPhoto* photo) {
   photo->metadata.pitch_rad = direction.pitch_rad;
 }
 
+// The world's z axis in a camera whose gimbal told all three angles.
+std::optional<Eigen::Vector3d> UpInCam(const PhotoMetadata& metadata) {
+  if (!metadata.yaw_rad || !metadata.pitch_rad || !metadata.roll_rad) return std::nullopt;
+  const double pitch = *metadata.pitch_rad, roll = *metadata.roll_rad;
+  return Eigen::Vector3d(-std::sin(roll) * std::cos(pitch), -std::cos(roll) * std::cos(pitch),
+                         std::sin(pitch));
+}
+
 // GPS of the database that is there already, by photo; another frame than WGS84 tells no place on
 // Earth.
 std::map<std::string, GeoPosition> ReadDatabasePriors(const SparseUpdateInput& input) {
@@ -82,6 +90,7 @@ void SetGeoPositions(const SparseUpdateInput& input, const Captures& captures,
   for (CatalogPhoto& photo : catalog->photos) {
     const auto given = input.geo_position_of_photo.find(photo.name);
     const auto capture = captures.find(photo.name);
+    photo.up_in_cam = UpInCam(photo.metadata);
     if (capture != captures.end()) TakeAttitude(capture->second, &photo);
     if (given != input.geo_position_of_photo.end()) {
       photo.geo = given->second;
@@ -92,6 +101,8 @@ void SetGeoPositions(const SparseUpdateInput& input, const Captures& captures,
     } else {
       const auto prior = priors.find(photo.name);
       photo.geo = photo.metadata.gps;
+      photo.sigma_horizontal_m = photo.metadata.gps_sigma_horizontal_m;
+      photo.sigma_vertical_m = photo.metadata.gps_sigma_vertical_m;
       if (!photo.geo && prior != priors.end()) photo.geo = prior->second;
     }
     if (photo.geo && !IsValid(*photo.geo)) {

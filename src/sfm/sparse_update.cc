@@ -101,6 +101,20 @@ double PositionSigma(const std::map<ImageId, PhotoPrior>& priors, const Reconstr
   return std::max(*middle / kMedianOfThreeAxes, kMinSigmaM);
 }
 
+// Receivers are right about which of their positions are better, less so about how good they are:
+// of the accuracies that they tell only the ratios are kept. `sigma_m`: of the middle one.
+void ScaleSigmas(double sigma_m, std::map<ImageId, PhotoPrior>* priors) {
+  if (priors->empty()) return;
+  std::vector<double> told;
+  for (const auto& [id, prior] : *priors) told.push_back(prior.sigma_horizontal_m);
+  const auto middle = told.begin() + static_cast<std::ptrdiff_t>(told.size() / 2);
+  std::nth_element(told.begin(), middle, told.end());
+  for (auto& [id, prior] : *priors) {
+    prior.sigma_horizontal_m *= sigma_m / *middle;
+    prior.sigma_vertical_m *= sigma_m / *middle;
+  }
+}
+
 // The model speaks of photos by id: they must be the database's.
 void RequireSamePhotos(const Reconstruction& model, const DatabaseView& database) {
   const std::map<ImageId, DatabaseImage> images = database.ReadImages();
@@ -303,10 +317,10 @@ class Updater {
     for (const CatalogPhoto& photo : catalog_.photos) {
       const ImageId id = ids_.at(photo.name);
       if (!photo.position_in_world || result_.model.images.count(id) == 0) continue;
-      priors[id].position_in_world = photo.position_in_world;
+      priors[id] = {photo.position_in_world, photo.sigma_horizontal_m.value_or(1),
+                    photo.sigma_vertical_m.value_or(1), photo.up_in_cam};
     }
-    const double sigma_m = PositionSigma(priors, result_.model);
-    for (auto& [id, prior] : priors) prior.sigma_horizontal_m = prior.sigma_vertical_m = sigma_m;
+    ScaleSigmas(PositionSigma(priors, result_.model), &priors);
     return priors;
   }
 

@@ -202,11 +202,33 @@ TEST(PhotoMetadata, GimbalAnglesAreReadUnlessAllAreZero) {
   ASSERT_TRUE(good.yaw_rad && good.pitch_rad);
   EXPECT_NEAR(*good.yaw_rad, DegToRad(162.1), 1e-12);
   EXPECT_NEAR(*good.pitch_rad, DegToRad(-30), 1e-12);
+  EXPECT_EQ(good.roll_rad, 0.0);
   WriteWithTags(folder / "zero.jpg", 64, 36, {}, GimbalXmp("+0.00", "+0.00"));
   const PhotoMetadata zero = ReadPhotoMetadata(folder / "zero.jpg");
   EXPECT_FALSE(zero.yaw_rad || zero.pitch_rad);
   WriteWithTags(folder / "north.jpg", 64, 36, {}, GimbalXmp("+0.00", "-90.00"));
   EXPECT_EQ(ReadPhotoMetadata(folder / "north.jpg").yaw_rad, 0.0);
+}
+
+TEST(PhotoMetadata, AccuracyOfThePosition) {
+  const TestFolder folder;
+  const auto gps = GpsTags();
+  WriteWithTags(folder / "none.jpg", 64, 36, gps, "");
+  EXPECT_FALSE(ReadPhotoMetadata(folder / "none.jpg").gps_sigma_horizontal_m);
+  auto phone = gps;
+  phone.emplace_back("Exif.GPSInfo.GPSHPositioningError", "9/2");
+  WriteWithTags(folder / "phone.jpg", 64, 36, phone, "");
+  const PhotoMetadata metadata = ReadPhotoMetadata(folder / "phone.jpg");
+  EXPECT_EQ(metadata.gps_sigma_horizontal_m, 4.5);
+  EXPECT_EQ(metadata.gps_sigma_vertical_m, 9.0);
+  std::string xmp = GimbalXmp("+10.00", "-20.00");
+  xmp.insert(xmp.find("drone-dji:Gimbal"),
+             "drone-dji:RtkStdLon=\"0.012\" drone-dji:RtkStdLat=\"0.015\" "
+             "drone-dji:RtkStdHgt=\"0.03\" ");
+  WriteWithTags(folder / "rtk.jpg", 64, 36, phone, xmp);
+  const PhotoMetadata rtk = ReadPhotoMetadata(folder / "rtk.jpg");
+  EXPECT_EQ(rtk.gps_sigma_horizontal_m, 0.015);
+  EXPECT_EQ(rtk.gps_sigma_vertical_m, 0.03);
 }
 
 TEST(PhotoMetadata, AMagneticHeadingIsNotTaken) {

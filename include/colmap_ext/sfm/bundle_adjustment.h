@@ -41,11 +41,12 @@ void BindOptions(OptionSet& set, BundleOptions* options);  // section "BundleAdj
 
 // What was measured about a photo beside its picture.
 struct PhotoPrior {
-  std::optional<Eigen::Vector3d> position_in_world = std::nullopt;  // of the camera's centre; ENU, metres
-  double sigma_horizontal_m = 1.5;                   // > 0
-  double sigma_vertical_m = 3;                       // > 0
-  std::optional<Eigen::Vector3d> up_in_cam;          // unit: the world's z axis, in the camera
-  double up_sigma_rad = 0.02;                        // > 0
+  std::optional<Eigen::Vector3d> position_in_world =
+      std::nullopt;                          // of the camera's centre; ENU, metres
+  double sigma_horizontal_m = 1.5;           // > 0
+  double sigma_vertical_m = 3;               // > 0
+  std::optional<Eigen::Vector3d> up_in_cam;  // unit: the world's z axis, in the camera
+  double up_sigma_rad = 0.02;                // > 0
 };
 
 struct BundleSelection {

@@ -9,6 +9,8 @@
 namespace colmap_ext {
 namespace {
 
+constexpr double kLongestSpacing = 2.0;  // of anchor pairs, in units of anchor_spacing_px
+
 // Two anchors facing each other across a segment, responsible for `half_length` to either side.
 struct AnchorPair {
   Eigen::Vector2d center;
@@ -93,33 +95,79 @@ bool IsInside(const Eigen::Vector2d& p, int width, int height) {
          p.y() <= height - kMargin;
 }
 
+// Places pairs along segments, the longest segments first. Where a pair would bend a boundary that
+// is there, or be bent by it, as at junctions and beside near parallels, its stretch is halved:
+// shorter stretches with nearer anchors need less room.
+class AnchorPlacer {
+ public:
+  AnchorPlacer(int width, int height, double spacing, std::size_t max_pairs,
+               const SuperpixelOptions& options)
+      : width_(width),
+        height_(height),
+        spacing_(spacing),
+        max_pairs_(max_pairs),
+        options_(options),
+        grid_(width, height, 2 * (spacing + options.anchor_offset_px)) {}
+
+  void Place(const LineSegment& segment, std::size_t index) {
+    const double length = segment.Length();
+    const int count = std::max(1, static_cast<int>(std::lround(length / spacing_)));
+    AnchorPair pair;
+    pair.along = (segment.end_px - segment.start_px) / length;
+    pair.segment = index;
+    const double half_length = 0.5 * length / count;
+    for (int k = 0; k < count; ++k) {
+      pair.center = segment.start_px + (2 * k + 1) * half_length * pair.along;
+      PlaceStretch(pair, half_length);
+    }
+  }
+
+  std::vector<AnchorPair> TakePairs() { return std::move(accepted_); }
+
+ private:
+  void PlaceStretch(AnchorPair pair, double half_length) {
+    constexpr double kLeastHalfLengthPx = 1.0;
+    constexpr double kLeastOffsetPx = 0.75;
+    if (accepted_.size() >= max_pairs_) return;
+    pair.half_length = half_length;
+    pair.offset = std::min(options_.anchor_offset_px, std::max(kLeastOffsetPx, 0.5 * half_length));
+    const auto conflicts = [&](const AnchorPair& other) { return Conflict(pair, other); };
+    if (IsInside(pair.Anchor(0), width_, height_) && IsInside(pair.Anchor(1), width_, height_) &&
+        !grid_.AnyNear(pair.center, conflicts)) {
+      grid_.Add(pair);
+      accepted_.push_back(pair);
+      return;
+    }
+    if (half_length < 2 * kLeastHalfLengthPx) return;
+    const Eigen::Vector2d center = pair.center;
+    for (const double side : {-0.5, 0.5}) {
+      pair.center = center + side * half_length * pair.along;
+      PlaceStretch(pair, 0.5 * half_length);
+    }
+  }
+
+  int width_;
+  int height_;
+  double spacing_;
+  std::size_t max_pairs_;
+  const SuperpixelOptions& options_;
+  PairGrid grid_;
+  std::vector<AnchorPair> accepted_;
+};
+
 std::vector<AnchorPair> PlaceAnchors(const std::vector<LineSegment>& segments, int width,
                                      int height, std::size_t max_pairs,
                                      const SuperpixelOptions& options) {
-  PairGrid grid(width, height, 2 * (options.anchor_spacing_px + options.anchor_offset_px));
-  std::vector<AnchorPair> accepted;
-  for (std::size_t s = 0; s < segments.size(); ++s) {
-    const LineSegment& segment = segments[s];
-    const double length = segment.Length();
-    const int count =
-        std::max(1, static_cast<int>(std::lround(length / options.anchor_spacing_px)));
-    AnchorPair pair;
-    pair.along = (segment.end_px - segment.start_px) / length;
-    pair.half_length = 0.5 * length / count;
-    pair.offset = options.anchor_offset_px;
-    pair.segment = s;
-    for (int k = 0; k < count && accepted.size() < max_pairs; ++k) {
-      pair.center = segment.start_px + (2 * k + 1) * pair.half_length * pair.along;
-      if (!IsInside(pair.Anchor(0), width, height) || !IsInside(pair.Anchor(1), width, height)) {
-        continue;
-      }
-      const auto conflicts = [&](const AnchorPair& other) { return Conflict(pair, other); };
-      if (grid.AnyNear(pair.center, conflicts)) continue;
-      grid.Add(pair);
-      accepted.push_back(pair);
-    }
-  }
-  return accepted;
+  // Pairs lie further apart where there is more to follow than pairs for it.
+  constexpr double kExtra = 1.3;  // pairs that halving adds
+  double length = 0;
+  for (const LineSegment& segment : segments) length += segment.Length();
+  const double spacing =
+      std::clamp(kExtra * length / std::max(1.0, static_cast<double>(max_pairs)),
+                 options.anchor_spacing_px, kLongestSpacing * options.anchor_spacing_px);
+  AnchorPlacer placer(width, height, spacing, max_pairs, options);
+  for (std::size_t s = 0; s < segments.size(); ++s) placer.Place(segments[s], s);
+  return placer.TakePairs();
 }
 
 // Pixels where a further site would bend a boundary or crowd an anchor.
@@ -215,8 +263,9 @@ SuperpixelSites PlaceSites(const std::vector<LineSegment>& segments, int width, 
     sites.points_px.push_back(p);
   }
   if (sites.points_px.empty()) sites.points_px.emplace_back(0.5 * width, 0.5 * height);
-  sites.cover_radius_px =
-      std::max(radius, kAnchorDistance * plain_radius + 2 * options.anchor_spacing_px) + 4.0;
+  sites.cover_radius_px = std::max(radius, kAnchorDistance * plain_radius +
+                                               2 * kLongestSpacing * options.anchor_spacing_px) +
+                          4.0;
   return sites;
 }
 

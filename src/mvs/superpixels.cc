@@ -56,6 +56,51 @@ void FillMeanColors(const cv::Mat& bgr, ImageMesh* mesh) {
   }
 }
 
+// Joins `piece` to `line` when it continues or repeats it.
+bool Absorb(const LineSegment& piece, LineSegment* line) {
+  constexpr double kMaxSine = 0.07;
+  constexpr double kMaxAcrossPx = 1.2;
+  constexpr double kMaxGapPx = 5.0;
+  const double length = line->Length();
+  const Eigen::Vector2d along = (line->end_px - line->start_px) / length;
+  const auto across = [&](const Eigen::Vector2d& v) {
+    return along.x() * v.y() - along.y() * v.x();
+  };
+  const Eigen::Vector2d a = piece.start_px - line->start_px;
+  const Eigen::Vector2d b = piece.end_px - line->start_px;
+  if (std::abs(across(b - a)) > kMaxSine * piece.Length()) return false;
+  if (std::max(std::abs(across(a)), std::abs(across(b))) > kMaxAcrossPx) return false;
+  const double low = std::min(along.dot(a), along.dot(b));
+  const double high = std::max(along.dot(a), along.dot(b));
+  if (low > length + kMaxGapPx || high < -kMaxGapPx) return false;
+  const Eigen::Vector2d start = line->start_px;
+  line->start_px = start + std::min(0.0, low) * along;
+  line->end_px = start + std::max(length, high) * along;
+  return true;
+}
+
+void SortByLength(std::vector<LineSegment>* segments) {
+  std::stable_sort(
+      segments->begin(), segments->end(),
+      [](const LineSegment& a, const LineSegment& b) { return a.Length() > b.Length(); });
+}
+
+// Pieces of one line become one segment; those of at least `min_length`, longest first.
+std::vector<LineSegment> Consolidate(std::vector<LineSegment> pieces, double min_length) {
+  SortByLength(&pieces);
+  std::vector<LineSegment> lines;
+  for (const LineSegment& piece : pieces) {
+    const bool absorbed = std::any_of(lines.begin(), lines.end(),
+                                      [&](LineSegment& line) { return Absorb(piece, &line); });
+    if (!absorbed) lines.push_back(piece);
+  }
+  lines.erase(std::remove_if(lines.begin(), lines.end(),
+                             [&](const LineSegment& line) { return line.Length() < min_length; }),
+              lines.end());
+  SortByLength(&lines);
+  return lines;
+}
+
 }  // namespace
 
 std::vector<LineSegment> DetectLineSegments(const cv::Mat& bgr, const SuperpixelOptions& options) {
@@ -76,12 +121,9 @@ std::vector<LineSegment> DetectLineSegments(const cv::Mat& bgr, const Superpixel
     const Eigen::Vector2d end = Eigen::Vector2d(line[2], line[3]) + half;
     const LineSegment segment{start.cwiseMax(image.min()).cwiseMin(image.max()),
                               end.cwiseMax(image.min()).cwiseMin(image.max())};
-    if (segment.Length() >= options.min_segment_px) segments.push_back(segment);
+    if (segment.Length() >= 0.5 * options.min_segment_px) segments.push_back(segment);
   }
-  std::stable_sort(
-      segments.begin(), segments.end(),
-      [](const LineSegment& a, const LineSegment& b) { return a.Length() > b.Length(); });
-  return segments;
+  return Consolidate(std::move(segments), options.min_segment_px);
 }
 
 ImageMesh SegmentPhoto(const cv::Mat& bgr, const SuperpixelOptions& options) {

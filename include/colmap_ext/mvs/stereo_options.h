@@ -24,9 +24,9 @@ struct SuperpixelStereoOptions {
   double max_angle_deg = 45.0;  // points seen under a larger angle do not count; (0, 180]
 
   // Confidence Γ. Chosen on simulated truth (docs/algorithms.md).
-  double sigma_position_px = 6.0;     // σ_p; (0, 1e3]
-  double sigma_normal_deg = 120.0;    // σ_n; (0, 1e3]
-  double sigma_view = 0.07;           // σ_v, of cos²; (0, 10]
+  double sigma_position_px = 4.0;     // σ_p; (0, 1e3]
+  double sigma_normal_deg = 90.0;     // σ_n; (0, 1e3]
+  double sigma_view = 0.1;            // σ_v, of cos²; (0, 10]
   double occlusion_tolerance = 0.03;  // a neighbour whose depth is smaller by this share is
                                       // occluded and no witness; (0, 1]
 

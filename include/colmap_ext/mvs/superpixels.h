@@ -40,7 +40,7 @@ struct LineSegment {
   double Length() const { return (end_px - start_px).norm(); }
 };
 
-// LSD segments of at least options.min_segment_px, longest first.
+// LSD segments, pieces of one line joined, of at least options.min_segment_px, longest first.
 std::vector<LineSegment> DetectLineSegments(const cv::Mat& bgr, const SuperpixelOptions& options);
 
 // The partition of `bgr` (CV_8UC3, not empty). The triangles cover the image [0, W] x [0, H]

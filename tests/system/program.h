@@ -13,11 +13,11 @@
 
 namespace colmap_ext {
 
-class ProgramTest : public testing::Test {
+class ProgramTest : public ::testing::Test {
  protected:
   ProgramTest() {
-    const testing::TestInfo* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::path(testing::TempDir()) /
+    const ::testing::TestInfo* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::path(::testing::TempDir()) /
               (std::string("colmap_ext_") + info->test_suite_name() + "_" + info->name() + "_" +
                std::to_string(getpid()));
     std::filesystem::create_directories(folder_);

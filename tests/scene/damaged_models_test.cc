@@ -66,11 +66,11 @@ std::string Damaged(std::string bytes, std::mt19937_64& random) {
   return bytes;
 }
 
-class DamagedModel : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Models, DamagedModel, testing::Values("bin", "txt"),
+class MutatedModel : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Models, MutatedModel, testing::Values("bin", "txt"),
                          [](const auto& info) { return std::string(info.param); });
 
-TEST_P(DamagedModel, IsReadSoundOrRefusedWithOneLine) {
+TEST_P(MutatedModel, IsReadSoundOrRefusedWithOneLine) {
   TestFolder folder;
   Reconstruction model = MakeSparseModel(4, 6);
   model.frame_table = FrameTableOf(model);

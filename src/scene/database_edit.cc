@@ -307,6 +307,10 @@ void Database::Transaction::SetPositionPrior(ImageId image_id, const Eigen::Vect
 }
 
 void Database::Transaction::InsertKeypoints(ImageId image_id, const KeypointMatrix& keypoints) {
+  if (keypoints.rows() == 0) {  // COLMAP asks for the columns of nothing as well
+    InsertMatrix(impl_.connection, "keypoints", image_id, KeypointMatrix(0, 6));
+    return;
+  }
   const Eigen::Index cols = keypoints.cols();
   if (cols != 2 && cols != 4 && cols != 6) {
     impl_.connection.FailWith("keypoints of " + NameOf(image_id) + " have " + std::to_string(cols) +

@@ -76,6 +76,19 @@ TEST(Database, FeaturesComeBack) {
   EXPECT_EQ(database.ReadDescriptors(99).rows(), 0);
 }
 
+// COLMAP stops at keypoints that have no columns, whatever photo shows nothing.
+TEST(Database, PhotosWithoutFeaturesKeepTheColumns) {
+  TestFolder folder;
+  Database database = Database::Create(folder / "d.db");
+  Database::Transaction edit(database);
+  edit.InsertCamera(1, MakeDatabaseCamera());
+  edit.InsertImage(1, {"black.jpg", 1, std::nullopt});
+  edit.InsertKeypoints(1, KeypointMatrix());
+  edit.Commit();
+  EXPECT_EQ(database.ReadKeypoints(1).rows(), 0);
+  EXPECT_EQ(database.ReadKeypoints(1).cols(), 6);
+}
+
 TEST(Database, MatchesAreGivenInTheOrderOfThePair) {
   TestFolder folder;
   const Database database = MakeDatabase(folder / "d.db");

@@ -64,6 +64,7 @@ class Plot {
 
   void DrawBars(const std::vector<double>& shares) {
     for (int i = 0; i <= kBars; ++i) {
+      if (shares[static_cast<std::size_t>(i)] <= 0) continue;
       const auto left = static_cast<int>(X(max_error_m_ * i / kBars));
       const auto right = static_cast<int>(X(max_error_m_ * (i + 1) / kBars)) - 1;
       const cv::Point corner(left, Y(shares[static_cast<std::size_t>(i)]));

@@ -2,7 +2,6 @@
 #include <cstdio>
 #include <iostream>
 
-#include "colmap_ext/eval/camera_poses.h"
 #include "colmap_ext/eval/count_views.h"
 #include "colmap_ext/eval/error_colors.h"
 #include "colmap_ext/eval/evaluate.h"
@@ -11,6 +10,7 @@
 #include "colmap_ext/scene/las.h"
 #include "colmap_ext/scene/mesh_io.h"
 #include "colmap_ext/scene/reconstruction_io.h"
+#include "colmap_ext/scene/true_poses.h"
 #include "colmap_ext/scene/workspace.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
@@ -108,7 +108,8 @@ std::vector<CameraPair> ReadCameraPairs(const Paths& paths) {
   if (paths.camera.empty()) return {};
   RequireOption(paths.input, "input_path");
   RequireFile(paths.camera, "file of true poses");
-  const auto pairs = PairCameras(ReadReconstruction(paths.input), ReadCameraPoses(paths.camera));
+  const auto pairs =
+      PairCameras(ReadReconstruction(paths.input), PoseOfPhoto(ReadTruePoses(paths.camera)));
   if (pairs.empty()) {
     throw Error(paths.camera.string() + ": no photo has the name of one in " +
                 paths.input.string());

@@ -5,13 +5,13 @@
 #include <sstream>
 #include <thread>
 
-#include "colmap_ext/eval/camera_poses.h"
 #include "colmap_ext/eval/count_views.h"
 #include "colmap_ext/eval/error_colors.h"
 #include "colmap_ext/eval/evaluate.h"
 #include "colmap_ext/report/mesh_picture.h"
 #include "colmap_ext/scene/mesh_io.h"
 #include "colmap_ext/scene/reconstruction_io.h"
+#include "colmap_ext/scene/true_poses.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
 #include "colmap_ext/util/options.h"
@@ -52,7 +52,7 @@ Measured Evaluate(const fs::path& mesh, const fs::path& sparse, bool true_poses,
   TriangleMesh reconstructed = ReadMesh(mesh);
   Sim3d truth_from_model;
   if (!true_poses) {
-    const auto pairs = PairCameras(model, ReadCameraPoses(survey.true_poses));
+    const auto pairs = PairCameras(model, PoseOfPhoto(ReadTruePoses(survey.true_poses)));
     truth_from_model =
         AlignModel(reconstructed, survey.truth, pairs, options, job).truth_from_model;
   }

@@ -8,6 +8,7 @@
 #include "colmap_ext/scene/mesh_io.h"
 #include "colmap_ext/scene/oriented_points_io.h"
 #include "colmap_ext/scene/reconstruction_io.h"
+#include "colmap_ext/sfm/bundle_adjustment.h"
 #include "colmap_ext/sfm/colmap_program.h"
 #include "colmap_ext/surface/poisson.h"
 #include "colmap_ext/util/child_process.h"
@@ -95,39 +96,6 @@ std::shared_ptr<ColmapProgram> FindColmapProgram(const DenseReconstructorOptions
   return std::make_shared<ColmapProgram>(o.colmap);
 }
 
-// `colmap bundle_adjuster`, intrinsics kept; its drift of the frame is taken out again.
-Reconstruction Adjusted(const Reconstruction& model, const DenseReconstructorOptions& o,
-                        ColmapProgram* program, const JobControl& job) {
-  if (program == nullptr) throw Error("--adjust 1 needs a `colmap` program; install it");
-  const fs::path before = o.output / "adjust" / "before";
-  const fs::path after = o.output / "adjust" / "after";
-  WriteReconstructionBinary(model, before);
-  fs::remove_all(after);
-  fs::create_directories(after);
-  job.Info("bundle adjustment");
-  program->Run("bundle_adjuster",
-               {{"input_path", before.string()},
-                {"output_path", after.string()},
-                {"BundleAdjustment.max_num_iterations", "30"},
-                {"BundleAdjustment.function_tolerance", "1e-6"},
-                {"BundleAdjustment.refine_focal_length", "0"},
-                {"BundleAdjustment.refine_extra_params", "0"}},
-               o.output / "logs" / "bundle_adjuster.log", job);
-  Reconstruction adjusted = ReadReconstruction(after);
-  if (adjusted.images.size() != model.images.size()) {
-    throw Error("`colmap bundle_adjuster` gave back " + std::to_string(adjusted.images.size()) +
-                " of " + std::to_string(model.images.size()) + " photos");
-  }
-  Eigen::Matrix3Xd old_centers(3, model.images.size()), new_centers = old_centers;
-  Eigen::Index k = 0;
-  for (const auto& [id, image] : model.images) {
-    old_centers.col(k) = CameraCenter(image.cam_from_world);
-    new_centers.col(k++) = CameraCenter(adjusted.images.at(id).cam_from_world);
-  }
-  TransformReconstruction(EstimateSimilarity(new_centers, old_centers), &adjusted);
-  return adjusted;
-}
-
 BoundingBox Grown(const BoundingBox& box, double ratio) {
   const Eigen::Vector3d margin = Eigen::Vector3d::Constant(ratio * box.diagonal().norm());
   return {box.min() - margin, box.max() + margin};
@@ -190,7 +158,11 @@ int RunDenseReconstructor(const Arguments& arguments, const CancelFlag& cancel) 
 
   const StageTimer timer;
   Reconstruction model = ReadReconstruction(o.input);
-  if (o.adjust) model = Adjusted(model, o, program.get(), job);
+  if (o.adjust) {
+    const BundleResult fit = AdjustBundle({}, {}, job, &model);
+    job.Info("bundle adjustment: " + std::to_string(fit.initial_rms_px) + " to " +
+             std::to_string(fit.final_rms_px) + " px RMS");
+  }
   const PhotoSource photos(model, o.images, o.stereo.max_width_px);
   const WorldFrame frame = FrameOrMetric(o.input.parent_path() / "frame.json");
   const RegionOfInterest region = DefaultRegion(photos.photo_set(), frame, o.region);

@@ -1,11 +1,11 @@
 #include "colmap_ext/util/options.h"
 
+#include <array>
 #include <boost/program_options.hpp>
+#include <charconv>
 #include <cstdint>
 #include <fstream>
 #include <functional>
-#include <iomanip>
-#include <limits>
 #include <sstream>
 
 #include "colmap_ext/util/error.h"
@@ -19,19 +19,12 @@ namespace {
 std::string ValueText(bool value) { return value ? "1" : "0"; }
 std::string ValueText(const std::string& value) { return value; }
 std::string ValueText(const fs::path& value) { return value.string(); }
+// The shortest text that reads back as the same value.
 template <typename T>
 std::string ValueText(T value) {
-  std::ostringstream text;
-  text << std::setprecision(std::numeric_limits<double>::max_digits10) << value;
-  // The shortest text that reads back as the same value.
-  for (int digits = 1; digits < std::numeric_limits<double>::max_digits10; ++digits) {
-    std::ostringstream shorter;
-    shorter << std::setprecision(digits) << value;
-    T read_back{};
-    std::istringstream(shorter.str()) >> read_back;
-    if (read_back == value) return shorter.str();
-  }
-  return text.str();
+  std::array<char, 64> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return {text.data(), end};
 }
 
 template <typename T>

@@ -226,6 +226,7 @@ void WriteResult(const SparseUpdateResult& result, const Places& places) {
   WriteWorldFrame(result.frame, places.output_frame);
   WriteSparseState(result.state, places.output_state);
   WriteReconstructionBinary(result.model, places.output_model);
+  WriteGeoregistration(result, places.output_model);
 }
 
 }  // namespace

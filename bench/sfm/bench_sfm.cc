@@ -25,6 +25,7 @@ struct BenchOptions {
   int photos = 64, updates = 5, batch = 8;
   int curve_to = 0;
   int plain_neighbors = 0;
+  int noise_seeds = 3;
   bool plain = true, noise = true, matchers = true;
   double texel_scale = 1;
   double noise_m = 1.5;
@@ -43,6 +44,7 @@ void Bind(OptionSet& set, BenchOptions* options) {
   set.Add("", "plain", &options->plain, "run plain COLMAP beside ours (0 or 1)");
   set.Add("", "noise", &options->noise, "also with GPS noise (0 or 1)");
   set.Add("", "matchers", &options->matchers, "compare descriptor matchers (0 or 1)");
+  set.Add("", "noise_seeds", &options->noise_seeds, "how many times, each with other noise");
   set.Add("", "noise_m", &options->noise_m, "sigma of that noise on each axis (m)");
   set.Add("", "texel_scale", &options->texel_scale, "coarser textures (0.5 ... 16)");
 }
@@ -200,6 +202,8 @@ class Comparison {
  private:
   void FirstModels() {
     const StageCost cost = ours_.Grow(options_.photos);
+    fs::copy_file(ours_.input().database_path, options_.work_path / "first.db",
+                  fs::copy_options::overwrite_existing);
     AddCosts("ours, first model", ours_.result().cost_of_step, report_);
     report_->Add("ours, first model: CPU time", cost.cpu_s, "CPU s");
     report_->Add("ours, first model: pairs", ours_.result().num_pairs, "pairs");
@@ -271,6 +275,8 @@ class Comparison {
       const StageCost cost = ours_.Grow(options_.batch);
       const bool adjusts_all =
           adjusted_before && ours_.result().state.photos_at_last_adjustment != adjusted;
+      report_->Add("curve, " + std::to_string(ours_.count()) + " photos: pairs",
+                   ours_.result().num_pairs, "pairs");
       report_->Add("curve, " + std::to_string(ours_.count()) + " photos" +
                        (adjusts_all ? ", adjusting all" : ""),
                    cost.cpu_s, "CPU s");
@@ -285,7 +291,7 @@ class Comparison {
     report_->Add("curve: mean, adjustments of all included", cpu_s / updates, "CPU s");
     if (early.empty() || late.empty()) return;
     report_->Add("curve: median of the last quarter / of the first half",
-                 Median(late) / Median(early), "ratio", AtMost(1.25));
+                 Median(late) / Median(early), "ratio", AtMost(1.5));
   }
 
   const BenchOptions& options_;
@@ -299,19 +305,27 @@ class Comparison {
   std::vector<double> moves_;
 };
 
-// A first model and the updates from positions with noise: what the scale is worth.
+// First models and updates from positions with noise: what the scale is worth. Features, and the
+// matches of the pairs chosen without noise, are those of the comparison.
 void RunWithNoise(const BenchOptions& options, const Flight& flight, const fs::path& photos,
                   const Camera& camera, const SparseUpdateOptions& update, BenchReport* report) {
-  OurProject project(options.work_path / "noise", flight, photos, camera, update);
-  project.input().geo_position_of_photo = NoisyPositions(flight, options.noise_m, 7);
-  project.Grow(options.photos);
-  const PoseErrors first = PoseErrorsOf(project.result().model, flight);
-  report->Add("GPS noise, first model: scale error", first.scale_percent, "%", AtMost(1));
-  report->Add("GPS noise, first model: median position error", first.as_is_m, "m");
-  for (int i = 0; i < options.updates; ++i) project.Grow(options.batch);
-  const PoseErrors last = PoseErrorsOf(project.result().model, flight);
-  report->Add("GPS noise, after the updates: scale error", last.scale_percent, "%", AtMost(1));
-  report->Add("GPS noise, after the updates: median position error", last.as_is_m, "m");
+  for (int seed = 1; seed <= options.noise_seeds; ++seed) {
+    const std::string who = "GPS noise, seed " + std::to_string(seed);
+    OurProject project(options.work_path / "noise", flight, photos, camera, update);
+    fs::copy_file(options.work_path / "first.db", project.input().database_path);
+    project.input().geo_position_of_photo =
+        NoisyPositions(flight, options.noise_m, static_cast<std::uint64_t>(seed));
+    project.Grow(options.photos);
+    const PoseErrors first = PoseErrorsOf(project.result().model, flight);
+    report->Add(who + ", first model: scale error", first.scale_percent, "%", AtMost(1));
+    report->Add(who + ", first model: median position error", first.as_is_m, "m");
+    for (int i = 0; i < options.updates; ++i) project.Grow(options.batch);
+    const PoseErrors last = PoseErrorsOf(project.result().model, flight);
+    report->Add(who + ", after the updates: scale error", last.scale_percent, "%", AtMost(1));
+    report->Add(who + ", after the updates: median position error", last.as_is_m, "m");
+    report->Add(who + ", after the updates: median position error after alignment", last.aligned_m,
+                "m");
+  }
 }
 
 int Run(const std::vector<std::string>& arguments) {

@@ -100,6 +100,7 @@ void RunSparse(const IterationContext& context, const SessionState& state, Work*
     NormalizeArbitraryFrame(depth_m, &work->sparse.model);
   }
   WriteReconstructionBinary(work->sparse.model, work->files.sparse());
+  WriteGeoregistration(work->sparse, work->files.sparse());
   WriteWorldFrame(work->sparse.frame, work->files.frame_json());
   WriteSparseState(work->sparse.state, work->files.sparse_state_json());
 }

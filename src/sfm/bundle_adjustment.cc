@@ -57,6 +57,16 @@ LossScales ScalesFor(const BundleState& state, const BundleOptions& options) {
   return scales;
 }
 
+// Where the keypoints fit well, much less than the largest error allowed tells a false one.
+BundleOptions FilterFor(const BundleState& state, const BundleOptions& options) {
+  constexpr double kLeastSigmas = 2;
+  BundleOptions filter = options;
+  const double limit_px = std::max(kLeastSigmas * options.keypoint_sigma_px,
+                                   options.filter_max_medians * MedianOr(0, KeypointErrors(state)));
+  filter.filter_max_error_px = std::min(options.filter_max_error_px, limit_px);
+  return filter;
+}
+
 double RmsPx(const BundleState& state) {
   const std::vector<double> errors = KeypointErrors(state);
   double sum = 0;
@@ -164,7 +174,7 @@ BundleResult RunRounds(const BundleOptions& options, const JobControl& job, Bund
     result.num_iterations += solve.num_iterations;
     result.converged = solve.converged;
     if (scales != FinalScales(options)) continue;  // too early to judge observations
-    const FilterCounts filtered = FilterBundle(options, state);
+    const FilterCounts filtered = FilterBundle(FilterFor(*state, options), state);
     result.num_filtered_observations += filtered.observations;
     result.num_filtered_points += filtered.points;
     if (static_cast<double>(filtered.observations) <=
@@ -193,6 +203,7 @@ std::string BundleOptions::Check() const {
     return "BundleAdjustment.max_filtered_part must be from 0 to 1";
   }
   if (!(filter_max_error_px > 0)) return "BundleAdjustment.filter_max_error_px must be above 0 px";
+  if (!(filter_max_medians >= 1)) return "BundleAdjustment.filter_max_medians must be at least 1";
   if (!(filter_min_angle_deg >= 0 && filter_min_angle_deg < 90)) {
     return "BundleAdjustment.filter_min_angle_deg must be at least 0 and below 90 degrees";
   }
@@ -221,6 +232,9 @@ void BindOptions(OptionSet& set, BundleOptions* options) {
       "a round that filters no more of the observations is the last one (0 … 1)");
   add("filter_max_error_px", &options->filter_max_error_px,
       "observations with larger reprojection errors are dropped (px, > 0)");
+  add("filter_max_medians", &options->filter_max_medians,
+      "... and those of more than so many times the median error, but not below two "
+      "keypoint_sigma_px (>= 1)");
   add("filter_min_angle_deg", &options->filter_min_angle_deg,
       "points whose rays meet at smaller angles are dropped (deg, 0 <= a < 90)");
 }

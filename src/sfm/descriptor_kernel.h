@@ -17,6 +17,9 @@ struct BestTwo {
   bool operator==(const BestTwo&) const = default;
 };
 
+// Index of the match where it passes the ratio and distance tests, else -1.
+std::int32_t AcceptedMatch(const BestTwo& candidate, const MatchingOptions& options);
+
 enum class CpuPath { kPortable, kSse2, kAvx2, kAvx512Vnni };
 // What this processor can run, the fastest last. All paths give identical results.
 std::vector<CpuPath> AvailableCpuPaths();

@@ -76,6 +76,17 @@ void AddLevelAxis(const Eigen::Vector3d& axis_in_world, double sigma_m,
       new ceres::CauchyLoss(options.loss_scale_m), p);
 }
 
+// Where the loss begins: never among the residuals that the positions have anyway. Twice the median
+// length is three sigmas of an axis, within a few percent of least squares for Gaussian errors.
+double LossScale(const Sim3d& guess, const Observations& cameras,
+                 const GeoregistrationOptions& options) {
+  std::vector<double> residuals;
+  for (const CameraObservation& camera : cameras) residuals.push_back(ResidualOf(guess, camera));
+  const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
+  std::nth_element(residuals.begin(), middle, residuals.end());
+  return std::max(options.loss_scale_m, 2 * *middle);
+}
+
 // `sigma_m`: that of positions with weight 1.
 Sim3d Refine(const Sim3d& guess, const Observations& cameras, bool level_cameras, double sigma_m,
              const GeoregistrationOptions& options) {
@@ -83,6 +94,7 @@ Sim3d Refine(const Sim3d& guess, const Observations& cameras, bool level_cameras
   for (const CameraObservation& camera : cameras) {
     pivot += camera.position_in_world / static_cast<double>(cameras.size());
   }
+  const double loss_scale_m = LossScale(guess, cameras, options);
   std::array<double, kNumParameters> p{};
   ceres::Problem problem;
   for (const CameraObservation& camera : cameras) {
@@ -90,7 +102,7 @@ Sim3d Refine(const Sim3d& guess, const Observations& cameras, bool level_cameras
                                           camera.position_in_world - pivot, camera.weights};
     problem.AddResidualBlock(
         new ceres::AutoDiffCostFunction<PositionResidual, 3, kNumParameters>(position),
-        new ceres::CauchyLoss(options.loss_scale_m), p.data());
+        new ceres::CauchyLoss(loss_scale_m), p.data());
     const Eigen::Vector3d right = guess.rotation * camera.right_in_model;
     if (camera.forward_in_model) {
       AddLevelAxis(right, sigma_m, options, p.data(), &problem);
@@ -249,7 +261,7 @@ void BindOptions(OptionSet& set, GeoregistrationOptions* options) {
   set.Add("Georegistration", "max_residual_m", &options->max_residual_m,
           "photos further from their measured position are named and left out (m, > 0)");
   set.Add("Georegistration", "loss_scale_m", &options->loss_scale_m,
-          "where the robust loss starts to discount a residual (m, > 0)");
+          "least residual that the robust loss discounts; twice the median if more (m, > 0)");
   set.Add("Georegistration", "max_tilt_deg", &options->max_tilt_deg,
           "largest uncertainty of the vertical (deg, 0 < t <= 45)");
   set.Add(

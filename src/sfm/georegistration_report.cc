@@ -3,6 +3,8 @@
 
 #include "colmap_ext/scene/json_file.h"
 #include "colmap_ext/sfm/georegistration.h"
+#include "colmap_ext/sfm/sparse_update.h"
+#include "colmap_ext/util/files.h"
 
 namespace colmap_ext {
 namespace {
@@ -58,6 +60,11 @@ std::string GeoregistrationReport(const GeoregistrationResult& result) {
     json["photos"] = PhotosOf(result);
   }
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void WriteGeoregistration(const SparseUpdateResult& result, const std::filesystem::path& folder) {
+  if (!result.positions) return;
+  WriteFileAtomically(folder / "georegistration.json", GeoregistrationReport(*result.positions));
 }
 
 }  // namespace colmap_ext

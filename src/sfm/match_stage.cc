@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
 
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
+#include "guided_matching.h"
 
 namespace colmap_ext {
 namespace {
@@ -92,6 +95,88 @@ std::vector<TwoViewGeometry> VerifyRun(MatchSpan matches, const UpdateDatabase& 
   return geometries;
 }
 
+Eigen::Matrix2Xf PixelsOf(const KeypointMatrix& keypoints) {
+  Eigen::Matrix2Xf pixels(2, keypoints.rows());
+  if (keypoints.rows() > 0) pixels = keypoints.leftCols(2).transpose();
+  return pixels;
+}
+
+// On the plane at distance 1; what the camera cannot have taken is nowhere near a line.
+Eigen::Matrix2Xf NormalizedOf(const Eigen::Matrix2Xf& pixels, const Camera& camera) {
+  Eigen::Matrix2Xf points(2, pixels.cols());
+  for (Eigen::Index k = 0; k < pixels.cols(); ++k) {
+    const std::optional<Eigen::Vector2d> point =
+        NormalizedFromImage(camera, pixels.col(k).cast<double>());
+    points.col(k) = point.value_or(Eigen::Vector2d::Constant(1e9)).cast<float>();
+  }
+  return points;
+}
+
+// What guided matching needs of a photo.
+struct PhotoFeatures {
+  Eigen::Matrix2Xf pixels, normalized;
+  DescriptorMatrix descriptors;
+  double focal_px = 0;
+};
+
+bool IsGuide(const TwoViewGeometry& geometry) {
+  return geometry.inlier_matches.size() >= kMinInliers &&
+         (geometry.config == TwoViewConfig::kCalibrated ||
+          geometry.config == TwoViewConfig::kUncalibrated);
+}
+
+std::map<ImageId, PhotoFeatures> ReadFeatures(const std::set<ImageId>& ids,
+                                              const DatabaseView& database) {
+  const std::map<ImageId, DatabaseImage> images = database.ReadImages();
+  const std::map<CameraId, DatabaseCamera> cameras = database.ReadCameras();
+  std::map<ImageId, PhotoFeatures> features;
+  for (const ImageId id : ids) {
+    const Camera& camera = cameras.at(images.at(id).camera_id).camera;
+    PhotoFeatures& photo = features[id];
+    photo.pixels = PixelsOf(database.ReadKeypoints(id));
+    photo.normalized = NormalizedOf(photo.pixels, camera);
+    photo.descriptors = database.ReadDescriptors(id);
+    photo.focal_px = camera.params[0];
+    if (photo.descriptors.rows() == photo.pixels.cols()) continue;
+    throw Error(database.path().string() + ": image " + std::to_string(id) +
+                " has not as many descriptors as keypoints");
+  }
+  return features;
+}
+
+GuidedPhoto GuidedPhotoOf(const PhotoFeatures& photo, bool normalized, double max_error_px) {
+  const double unit_px = normalized ? photo.focal_px : 1;
+  return {normalized ? photo.normalized : photo.pixels,
+          {photo.descriptors.data(), static_cast<int>(photo.descriptors.rows())},
+          static_cast<float>(max_error_px / unit_px)};
+}
+
+// Adds what matches along the epipolar lines of the pairs that passed.
+void GuideMatches(const std::vector<PairMatches>& all_matches, const DatabaseView& database,
+                  const MatchingOptions& options, const JobControl& job,
+                  std::vector<std::vector<TwoViewGeometry>>* runs) {
+  std::vector<std::size_t> guides;
+  std::set<ImageId> ids;
+  for (std::size_t i = 0; i < all_matches.size(); ++i) {
+    if (!IsGuide((*runs)[i / kPairsPerRun][i % kPairsPerRun])) continue;
+    guides.push_back(i);
+    ids.insert({all_matches[i].pair.first, all_matches[i].pair.second});
+  }
+  const std::map<ImageId, PhotoFeatures> features = ReadFeatures(ids, database);
+  tbb::parallel_for(std::size_t{0}, guides.size(), [&](std::size_t k) {
+    if (job.IsCancelled()) return;
+    const std::size_t i = guides[k];
+    TwoViewGeometry& geometry = (*runs)[i / kPairsPerRun][i % kPairsPerRun];
+    const bool normalized = geometry.config == TwoViewConfig::kCalibrated;
+    const double max_error_px = options.guided_max_error_px;
+    geometry.inlier_matches = AddGuidedMatches(
+        GuidedPhotoOf(features.at(all_matches[i].pair.first), normalized, max_error_px),
+        GuidedPhotoOf(features.at(all_matches[i].pair.second), normalized, max_error_px),
+        normalized ? geometry.E : geometry.F, geometry.inlier_matches, options);
+  });
+  job.ThrowIfCancelled();
+}
+
 void Store(const std::vector<PairMatches>& all_matches,
            const std::vector<std::vector<TwoViewGeometry>>& runs, const fs::path& database_path) {
   Database database = Database::Open(database_path, Database::Access::kReadWrite);
@@ -142,7 +227,8 @@ std::vector<PairMatches> MatchImagePairs(const DatabaseView& database,
 }
 
 void VerifyAndStore(const std::vector<PairMatches>& all_matches, const UpdateDatabase& databases,
-                    const fs::path& work_path, ColmapProgram* colmap, const JobControl& job) {
+                    const fs::path& work_path, const MatchingOptions& options,
+                    ColmapProgram* colmap, const JobControl& job) {
   if (all_matches.empty()) return;
   const std::size_t num_runs = (all_matches.size() + kPairsPerRun - 1) / kPairsPerRun;
   std::vector<std::vector<TwoViewGeometry>> runs(num_runs);
@@ -165,6 +251,9 @@ void VerifyAndStore(const std::vector<PairMatches>& all_matches, const UpdateDat
   job.ThrowIfCancelled();
   for (const std::exception_ptr& failure : failures) {
     if (failure) std::rethrow_exception(failure);
+  }
+  if (options.guided_max_error_px > 0) {
+    GuideMatches(all_matches, DatabaseView(databases), options, job, &runs);
   }
   Store(all_matches, runs, databases.draft());
 }

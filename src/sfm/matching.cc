@@ -17,7 +17,8 @@ float AngleOf(std::int32_t dot) {
   return std::acos(std::min(static_cast<float>(dot) / (512.0F * 512.0F), 1.0F));
 }
 
-// Index of the match that passes the ratio and distance tests, or -1.
+}  // namespace
+
 std::int32_t AcceptedMatch(const BestTwo& candidate, const MatchingOptions& options) {
   if (candidate.index < 0) return -1;
   const float angle = AngleOf(candidate.best);
@@ -26,8 +27,6 @@ std::int32_t AcceptedMatch(const BestTwo& candidate, const MatchingOptions& opti
   return candidate.index;
 }
 
-}  // namespace
-
 std::string MatchingOptions::Check() const {
   if (!(max_ratio > 0 && max_ratio <= 1)) {
     return "Matching.max_ratio must be above 0 and at most 1";
@@ -35,6 +34,7 @@ std::string MatchingOptions::Check() const {
   if (!(max_distance > 0 && max_distance <= 1.5708)) {
     return "Matching.max_distance must be above 0 and at most 1.5708 rad";
   }
+  if (!(guided_max_error_px >= 0)) return "Matching.guided_max_error_px must be at least 0 px";
   return "";
 }
 
@@ -45,6 +45,8 @@ void BindOptions(OptionSet& set, MatchingOptions* options) {
           "largest angle between matching descriptors (rad, 0 < d <= 1.5708)");
   set.Add("Matching", "cross_check", &options->cross_check,
           "keep only matches that are the best both ways (0 or 1)");
+  set.Add("Matching", "guided_max_error_px", &options->guided_max_error_px,
+          "match again near the epipolar lines of verified pairs, 0: no (px, >= 0)");
 }
 
 std::vector<KeypointMatch> MatchDescriptors(const DescriptorView& first,

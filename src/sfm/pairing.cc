@@ -180,10 +180,12 @@ std::vector<int> OverlappingPhotos(const std::vector<PhotoPlace>& places,
     if (overlap > 0) by_overlap.emplace_back(-overlap, static_cast<int>(j));
   }
   std::sort(by_overlap.begin(), by_overlap.end());
+  const int limit =
+      places[index].seen_points.empty() ? options.max_neighbors : options.min_neighbors;
   std::vector<int> partners;
   for (const auto& [negative_overlap, j] : by_overlap) {
     const auto count = static_cast<int>(partners.size());
-    if (count == options.max_neighbors) break;
+    if (count == limit) break;
     if (-negative_overlap < options.min_overlap && count >= options.min_neighbors) break;
     partners.push_back(j);
   }

@@ -194,7 +194,7 @@ class Updater {
     }
     result_.cost_of_step["matching"] = match_timer.Stop();
     const StageTimer verify_timer;
-    VerifyAndStore(matches, databases, input_.work_path, &colmap_, job_);
+    VerifyAndStore(matches, databases, input_.work_path, options_.matching, &colmap_, job_);
     result_.cost_of_step["verification"] = verify_timer.Stop();
   }
 
@@ -370,7 +370,23 @@ class Updater {
     result_.cost_of_step["georegistration"] = timer.Stop();
   }
 
+  void ComparePositionsStep() {
+    const bool same_frame = result_.frame.origin.has_value() == catalog_.origin.has_value();
+    const std::vector<MeasuredCamera> cameras = MeasuredCamerasOf(result_.model, catalog_);
+    if (cameras.empty()) return;
+    if (!result_.frame.is_metric_enu || !same_frame) {
+      result_.positions = result_.georegistration;
+      return;
+    }
+    result_.positions = ComparePositions(cameras, options_.georegistration);
+    if (!result_.georegistration) return;
+    result_.positions->world_from_model = result_.georegistration->world_from_model;
+    result_.positions->tilt_uncertainty_deg = result_.georegistration->tilt_uncertainty_deg;
+    result_.positions->gravity_from_cameras = result_.georegistration->gravity_from_cameras;
+  }
+
   void FillReport() {
+    ComparePositionsStep();
     const std::set<std::string> before =
         input_.model != nullptr ? NamesOf(*input_.model) : std::set<std::string>();
     for (const std::string& name : NamesOf(result_.model)) {

@@ -240,6 +240,25 @@ TEST(Georegister, AccuratePositionsCountMore) {
   EXPECT_LT(std::abs(weighted.world_from_model->scale / true_scale - 1), 2e-4);
 }
 
+// Consumer GPS errs by more than loss_scale_m: the loss must not throw most of it away.
+TEST(Georegister, NoisyPositionsGiveTheScaleAlmostAsWellAsLeastSquares) {
+  GeoregistrationOptions least_squares;
+  least_squares.loss_scale_m = 1e4;
+  double robust_sum = 0, least_sum = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    std::vector<MeasuredCamera> cameras = RectangleFlight(40);
+    AddNoise(&cameras, 1.5, seed);
+    const auto error_of = [&](const GeoregistrationOptions& options) {
+      const GeoregistrationResult result = Georegister(cameras, options);
+      return result.world_from_model.value().scale / TrueWorldFromModel().scale - 1;
+    };
+    robust_sum += std::pow(error_of({}), 2);
+    least_sum += std::pow(error_of(least_squares), 2);
+  }
+  RecordProperty("rms_of_least_squares", std::to_string(std::sqrt(robust_sum / least_sum)));
+  EXPECT_LT(std::sqrt(robust_sum / least_sum), 1.03);
+}
+
 TEST(Georegister, RefusesImpossibleAccuracies) {
   std::vector<MeasuredCamera> cameras = RectangleFlight(5);
   cameras[2].sigma_vertical_m = 0;

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "colmap_ext/scene/database.h"
+#include "colmap_ext/scene/json_file.h"
 #include "colmap_ext/scene/reconstruction_io.h"
 #include "colmap_ext/sfm/colmap_program.h"
 #include "colmap_ext/util/child_process.h"
@@ -91,6 +92,13 @@ TEST_F(SparseUpdate, RegistersAllPhotosInMetresAndGivesTheSameBytesOnEveryRun) {
   EXPECT_TRUE(result.georegistration->outliers.empty());
   EXPECT_LT(WorstPosition(result.model, result.frame), 0.05);
   EXPECT_LT(result.mean_error_px, 0.6);
+  ASSERT_TRUE(result.positions);
+  EXPECT_EQ(result.positions->residuals.size(), 12u);
+  WriteGeoregistration(result, folder_);
+  const Json report = ReadJsonFile(folder_ / "georegistration.json");
+  EXPECT_EQ(report["scale"].get<double>(), result.georegistration->world_from_model->scale);
+  EXPECT_LT(report["rms_m"].get<double>(), 0.05);
+  EXPECT_EQ(report["photos"].size(), 12u);
   EXPECT_GT(result.model.points.size(), 200u);
   for (const char* step : {"features", "matching", "verification", "mapping"}) {
     EXPECT_TRUE(result.cost_of_step.count(step)) << step;

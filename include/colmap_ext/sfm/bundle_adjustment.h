@@ -32,7 +32,10 @@ struct BundleOptions {
   int max_rounds = 3;
   double max_filtered_part = 5e-4;  // [0, 1]
   // As COLMAP's Mapper.filter_max_reproj_error and filter_min_tri_angle.
-  double filter_max_error_px = 4;     // px, > 0
+  double filter_max_error_px = 4;  // px, > 0
+  // Observations are also dropped beyond so many times the median error, down to two
+  // keypoint_sigma_px; >= 1.
+  double filter_max_medians = 5;
   double filter_min_angle_deg = 1.5;  // degrees, [0, 90)
 
   std::string Check() const;  // "" when all is well

@@ -16,7 +16,9 @@ struct GeoregistrationOptions {
   // A photo whose measured position is further from its place in the model disagrees, is named and
   // left out; metres, > 0. Consumer GPS is within 5 m or so.
   double max_residual_m = 8.0;
-  double loss_scale_m = 1.0;  // where the Cauchy loss starts to discount a residual; metres, > 0
+  // Where the Cauchy loss starts to discount a residual, or twice the median residual where that is
+  // more; metres, > 0.
+  double loss_scale_m = 1.0;
   // The world may be tilted by at most so much (predicted from the residuals and from how far the
   // cameras lie from one line); degrees, (0, 45]. Beyond it, gravity is taken from the cameras.
   double max_tilt_deg = 3.0;

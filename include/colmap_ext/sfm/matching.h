@@ -23,6 +23,9 @@ struct MatchingOptions {
   double max_ratio = 0.8;
   double max_distance = 0.7;  // largest angle between descriptors of 512 length; rad, (0, pi/2]
   bool cross_check = true;    // keep only pairs that are each other's best match
+  // Pairs that are verified are matched again among keypoints so near to each other's epipolar
+  // lines; px, >= 0, 0: not.
+  double guided_max_error_px = 4;
 
   std::string Check() const;
 };

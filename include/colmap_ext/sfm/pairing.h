@@ -27,7 +27,8 @@ struct PairingOptions {
   // that cannot show anything of it are left out all the same.
   int min_neighbors = 12;
   // ... and with at most so many, so that the work stays linear in the number of photos where a
-  // drone took many in one place; >= min_neighbors.
+  // drone took many in one place; >= min_neighbors. Where the model tells what a new photo shows,
+  // the best min_neighbors do.
   int max_neighbors = 20;
   // Photos whose optical axes differ by more are not matched when both are known; degrees, (0,
   // 180].

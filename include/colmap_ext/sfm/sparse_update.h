@@ -90,6 +90,10 @@ struct SparseUpdateResult {
   std::vector<std::vector<std::string>> other_models;
   // Only when this call georegistered the model, or tried to.
   std::optional<GeoregistrationResult> georegistration;
+  // How the measured positions agree with `model` at the end, or why it is not in metres; `scale`
+  // is that of this call's georegistration, 1 when the model was in metres before. Absent where no
+  // registered photo has a position.
+  std::optional<GeoregistrationResult> positions;
   double mean_error_px = 0;  // reprojection, over all observations
   int num_pairs = 0;         // matched in this call
   // The last adjustment of all poses in this call, if there was one.
@@ -111,5 +115,9 @@ struct SparseUpdateResult {
 // invalid options.
 SparseUpdateResult UpdateSparseModel(const SparseUpdateInput& input,
                                      const SparseUpdateOptions& options, const JobControl& job);
+
+// Writes georegistration.json (docs/file_formats.md) into the model's folder, when there are
+// positions.
+void WriteGeoregistration(const SparseUpdateResult& result, const std::filesystem::path& folder);
 
 }  // namespace colmap_ext

@@ -5,18 +5,36 @@
 #include <cmath>
 #include <cstring>
 
+#include "mvs/simd_lanes.h"
+
 namespace colmap_ext {
 namespace {
 
-// target -= l bᵀ, blocks padded to columns of four, which is what lets compilers use vector
-// instructions.
-inline void SubtractProduct(const double* __restrict l, const double* __restrict b,
-                            double* __restrict target) {
-  for (int c = 0; c < 3; ++c) {
-    for (int r = 0; r < 4; ++r) {
-      target[4 * c + r] -= l[r] * b[c] + l[4 + r] * b[4 + c] + l[8 + r] * b[8 + c];
+constexpr int kBlockNumbers = 12;  // a block's columns are padded to four numbers
+
+// For each of `count` blocks l of `column`, with rows `row`: blocks[place[row]] -= l bᵀ.
+inline __attribute__((always_inline)) void SubtractBody(const double* column, const int* row,
+                                                        int count, const int* place,
+                                                        const double* b, double* blocks) {
+  for (int e = 0; e < count; ++e) {
+    const double* l = column + static_cast<std::ptrdiff_t>(e) * kBlockNumbers;
+    double* target = blocks + static_cast<std::ptrdiff_t>(place[row[e]]) * kBlockNumbers;
+    const DoubleLanes l0 = *reinterpret_cast<const DoubleLanesAt*>(l);
+    const DoubleLanes l1 = *reinterpret_cast<const DoubleLanesAt*>(l + 4);
+    const DoubleLanes l2 = *reinterpret_cast<const DoubleLanesAt*>(l + 8);
+    for (int c = 0; c < 3; ++c) {
+      auto& sum = *reinterpret_cast<DoubleLanesAt*>(target + 4 * c);
+      sum -= l0 * b[c] + l1 * b[4 + c] + l2 * b[8 + c];
     }
   }
+}
+void SubtractPlainly(const double* column, const int* row, int count, const int* place,
+                     const double* b, double* blocks) {
+  SubtractBody(column, row, count, place, b, blocks);
+}
+COLMAP_EXT_TARGET_AVX2 void SubtractWithAvx2(const double* column, const int* row, int count,
+                                             const int* place, const double* b, double* blocks) {
+  SubtractBody(column, row, count, place, b, blocks);
 }
 
 // Parents in the elimination tree (Liu 1990); -1 for roots. `earlier[i]`: columns p < i with a
@@ -101,11 +119,11 @@ void BlockCholesky::EliminateWith(std::size_t column, int at, Eigen::Matrix3d* d
       (*diagonal)(r, c) -= b[r] * b[c] + b[4 + r] * b[4 + c] + b[8 + r] * b[8 + c];
     }
   }
-  for (int e = at + 1; e < begin_[column + 1]; ++e) {
-    const auto entry = static_cast<std::size_t>(e);
-    const auto target = static_cast<std::size_t>(place_[static_cast<std::size_t>(row_[entry])]);
-    SubtractProduct(block_[entry].value, b, block_[target].value);
-  }
+  const int count = begin_[column + 1] - at - 1;
+  if (count == 0) return;
+  const auto first = static_cast<std::size_t>(at) + 1;
+  const auto subtract = HasAvx2() ? SubtractWithAvx2 : SubtractPlainly;
+  subtract(block_[first].value, &row_[first], count, place_.data(), b, block_.front().value);
 }
 
 // Cholesky factor of the diagonal block, then L(i, p) = A(i, p) L(p, p)⁻ᵀ.

@@ -93,7 +93,14 @@ std::vector<ConfidenceCues> EvaluateCues(const std::vector<ViewMesh>& views,
     witnesses.push_back({&views[static_cast<std::size_t>(j)], &other,
                          other_from_view.rotation.toRotationMatrix(), other_from_view.translation});
   }
+  struct Facet {
+    std::size_t t;
+    Eigen::Vector2d pixel;  // of its centroid
+    Eigen::Vector3d point_in_cam;
+  };
   std::vector<ConfidenceCues> cues(mesh.image.triangles.size());
+  std::vector<Facet> facets;
+  facets.reserve(cues.size());
   for (std::size_t t = 0; t < cues.size(); ++t) {
     if (mesh.supported[t] == 0) continue;
     const Eigen::Vector3i& corner = mesh.image.triangles[t];
@@ -102,16 +109,20 @@ std::vector<ConfidenceCues> EvaluateCues(const std::vector<ViewMesh>& views,
                                    mesh.image.vertices_px[static_cast<std::size_t>(corner[2])]) /
                                   3.0;
     const Eigen::Vector3d ray = lookup.camera.Ray(pixel);
-    const Eigen::Vector3d point_in_cam = ray / lookup.plane_in_cam[t].dot(ray);
-    const Eigen::Vector3d& normal = lookup.normal_in_world[t];
-    for (const Witness& witness : witnesses) {
-      AddWitness(witness, lookup, point_in_cam, pixel, normal, options, &cues[t]);
-    }
-    if (cues[t].witnesses > 0) {
-      cues[t].position_px /= cues[t].witnesses;
-      cues[t].normal_rad /= cues[t].witnesses;
-    }
+    facets.push_back({t, pixel, ray / lookup.plane_in_cam[t].dot(ray)});
     cues[t].view_rad = AngleBetween(lookup.plane_in_cam[t].normalized(), ray.normalized());
+  }
+  // Neighbour by neighbour: what adjacent facets look up in one lies together in memory.
+  for (const Witness& witness : witnesses) {
+    for (const Facet& facet : facets) {
+      AddWitness(witness, lookup, facet.point_in_cam, facet.pixel, lookup.normal_in_world[facet.t],
+                 options, &cues[facet.t]);
+    }
+  }
+  for (ConfidenceCues& cue : cues) {
+    if (cue.witnesses == 0) continue;
+    cue.position_px /= cue.witnesses;
+    cue.normal_rad /= cue.witnesses;
   }
   return cues;
 }

@@ -19,6 +19,19 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
+// Of what the rows say about depth itself; rows about slants (coefficients that nearly cancel) say
+// nothing. 0 when none does.
+double MedianInverseDepth(const std::vector<DepthRow>& rows) {
+  constexpr double kLeastSum = 0.2;  // of the coefficients, in units of their norm
+  std::vector<double> inverse_depths;
+  for (const DepthRow& row : rows) {
+    const double sum = row.barycentric.sum();
+    if (!(std::abs(sum) > kLeastSum * row.barycentric.norm())) continue;
+    if (row.inverse_depth / sum > 0) inverse_depths.push_back(row.inverse_depth / sum);
+  }
+  return inverse_depths.empty() ? 0.0 : Median(std::move(inverse_depths));
+}
+
 Eigen::Vector2d Centroid(const ImageMesh& mesh, std::size_t t) {
   const Eigen::Vector3i& corner = mesh.triangles[t];
   return (mesh.vertices_px[static_cast<std::size_t>(corner[0])] +
@@ -175,9 +188,7 @@ LinearStereo::LinearStereo(const PhotoSet& photos, int photo_index,
   impl->sfm_rows = CollectSfmRows(photos, photo_index, points_of_photo, mesh, triangle_at);
   if (impl->sfm_rows.empty()) return;
 
-  std::vector<double> inverse_depths;
-  for (const DepthRow& row : impl->sfm_rows) inverse_depths.push_back(row.inverse_depth);
-  impl->scale = Median(inverse_depths);
+  impl->scale = MedianInverseDepth(impl->sfm_rows);
   for (DepthRow& row : impl->sfm_rows) row.inverse_depth /= impl->scale;
   const std::vector<double> distance = DistanceToSupport(mesh, edges, impl->sfm_rows);
   impl->SolveInitially();
@@ -199,10 +210,8 @@ void LinearStereo::Refine(const std::vector<std::uint8_t>& fixed, const std::vec
                           std::vector<std::uint8_t>* supported) const {
   double scale = impl_->scale;
   if (scale == 0) {
-    if (rows.empty()) return;
-    std::vector<double> inverse_depths;
-    for (const DepthRow& row : rows) inverse_depths.push_back(row.inverse_depth);
-    scale = Median(inverse_depths);
+    scale = MedianInverseDepth(rows);
+    if (!(scale > 0)) return;
   }
   std::vector<DepthRow> all_rows = impl_->sfm_rows;
   for (const DepthRow& row : rows) {

@@ -31,8 +31,14 @@ struct PhotoPatch {
   static constexpr float kNoiseVariance = 4.0F;
 };
 
-// `grey`: the view's own, as GreyPhoto makes it.
-PhotoPatch MakePatch(const ViewMesh& mesh, const cv::Mat1i& triangle_at, const cv::Mat1f& grey,
+// The grey values that patches are compared in, blurred a little. CV_32SC1, of the photo's size:
+// each entry holds four pixels of 8 bits, its own in the lowest, then its right, lower and lower
+// right neighbours (at the border the last pixel again): all that bilinear interpolation reads, at
+// once.
+cv::Mat1i PackGrey(const cv::Mat& bgr);
+
+// `grey`: the view's own.
+PhotoPatch MakePatch(const ViewMesh& mesh, const cv::Mat1i& triangle_at, const cv::Mat1i& grey,
                      int triangle, double color_sigma);
 
 // The plane {X: plane_in_cam · X = 1} on a patch, and back.
@@ -45,9 +51,9 @@ Eigen::Vector3d FromPatchPlane(const PatchPlane& plane, const PinholeCamera& cam
 struct PixelTransfer {
   Eigen::Matrix3f matrix;
   Eigen::Vector3f shift;
-  cv::Mat1f grey;  // of the neighbour
+  cv::Mat1i grey;  // of the neighbour
 
-  PixelTransfer(const ViewLookup& view, const ViewLookup& neighbor, cv::Mat1f grey_of_neighbor);
+  PixelTransfer(const ViewLookup& view, const ViewLookup& neighbor, cv::Mat1i grey_of_neighbor);
 };
 
 // Weighted normalised cross-correlation, with kNoiseVariance added to both variances, so it lies in

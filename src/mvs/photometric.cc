@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 
 #include "mvs/photo_patch.h"
 #include "mvs/plane_search.h"
@@ -13,7 +12,7 @@ namespace colmap_ext {
 namespace {
 
 std::vector<PixelTransfer> MakeTransfers(const std::vector<ViewLookup>& lookups,
-                                         const std::vector<cv::Mat1f>& grey,
+                                         const std::vector<cv::Mat1i>& grey,
                                          const std::vector<int>& neighbors, std::size_t view) {
   std::vector<PixelTransfer> transfers;
   for (const int j : neighbors) {
@@ -76,15 +75,6 @@ void AddPoints(const PhotoSet& photos, const std::vector<int>& points, const Vie
 
 }  // namespace
 
-cv::Mat1f GreyPhoto(const cv::Mat& bgr) {
-  cv::Mat grey8;
-  cv::Mat1f grey;
-  cv::cvtColor(bgr, grey8, cv::COLOR_BGR2GRAY);
-  grey8.convertTo(grey, CV_32F);
-  cv::GaussianBlur(grey, grey, {5, 5}, 0.8);
-  return grey;
-}
-
 double PhotoConsistency(const PhotoCue& cue, const SuperpixelStereoOptions& options) {
   constexpr double kLeastDeviation = 3.0;  // grey levels
   constexpr double kFreeError = 0.1;
@@ -104,7 +94,7 @@ PhotometricStage::PhotometricStage(const PhotoSet& photos,
       grey_(photos.photos.size()),
       points_of_photo_(photos.photos.size()) {
   tbb::parallel_for(std::size_t{0}, grey_.size(),
-                    [&](std::size_t i) { grey_[i] = GreyPhoto(photos.photos[i].bgr); });
+                    [&](std::size_t i) { grey_[i] = PackGrey(photos.photos[i].bgr); });
   for (std::size_t p = 0; p < photos.points.size(); ++p) {
     for (const int i : photos.points[p].photo_indices) {
       points_of_photo_[static_cast<std::size_t>(i)].push_back(static_cast<int>(p));
@@ -133,13 +123,18 @@ void PhotometricStage::EvaluateCues(const std::vector<ViewMesh>& views,
                                     const std::vector<std::uint8_t>& keep,
                                     std::vector<PhotoCue>* cues) const {
   const auto i = static_cast<std::size_t>(view);
-  PlaneSearch search(views[i], lookups[i], grey_[i],
-                     MakeTransfers(lookups, grey_, neighbors_[i], i), options_);
-  cues->resize(views[i].image.triangles.size());
+  const ViewMesh& mesh = views[i];
+  const std::vector<PixelTransfer> transfers = MakeTransfers(lookups, grey_, neighbors_[i], i);
+  cues->resize(mesh.image.triangles.size());
   for (std::size_t t = 0; t < cues->size(); ++t) {
     if (!keep.empty() && keep[t] != 0) continue;
-    const PatchScore score = search.ScorePresentPlane(t);
-    (*cues)[t] = {score.witnesses, score.best, std::sqrt(search.patch(t).variance)};
+    (*cues)[t] = {};
+    if (mesh.supported[t] == 0) continue;
+    const PhotoPatch patch = MakePatch(mesh, lookups[i].triangle_at, grey_[i], static_cast<int>(t),
+                                       options_.color_sigma);
+    const PatchScore score =
+        ScorePlane(patch, ToPatchPlane(lookups[i].plane_in_cam[t], mesh.camera, patch), transfers);
+    (*cues)[t] = {score.witnesses, score.best, std::sqrt(patch.variance)};
   }
 }
 

@@ -16,7 +16,34 @@ constexpr double kReferencePrecision = 3e-3;  // of relative depth: of a row of 
 
 }  // namespace
 
-PlaneSearch::PlaneSearch(const ViewMesh& mesh, const ViewLookup& lookup, const cv::Mat1f& grey,
+PatchScore ScorePlane(const PhotoPatch& patch, const PatchPlane& plane,
+                      const std::vector<PixelTransfer>& transfers, float hopeless) {
+  PatchScore score;
+  score.correlation.fill(kUnseen);
+  std::array<float, PatchScore::kMaxNeighbors> seen;
+  const std::size_t num_neighbors =
+      std::min<std::size_t>(transfers.size(), PatchScore::kMaxNeighbors);
+  for (std::size_t j = 0; j < num_neighbors; ++j) {
+    const float value = CompareInNeighbor(patch, plane, transfers[j]);
+    score.correlation[j] = value;
+    if (value == kUnseen) continue;
+    seen[static_cast<std::size_t>(score.witnesses++)] = value;
+    if (score.witnesses == 2 && std::max(seen[0], seen[1]) < hopeless) {
+      score.best = std::max(seen[0], seen[1]);
+      return score;
+    }
+  }
+  if (score.witnesses == 0) return score;
+  const int count = std::min(3, (score.witnesses + 1) / 2);
+  std::partial_sort(seen.begin(), seen.begin() + count, seen.begin() + score.witnesses,
+                    std::greater<>());
+  score.best = 0;
+  for (int k = 0; k < count; ++k) score.best += seen[static_cast<std::size_t>(k)];
+  score.best /= static_cast<float>(count);
+  return score;
+}
+
+PlaneSearch::PlaneSearch(const ViewMesh& mesh, const ViewLookup& lookup, const cv::Mat1i& grey,
                          std::vector<PixelTransfer> transfers,
                          const SuperpixelStereoOptions& options)
     : mesh_(mesh),
@@ -57,37 +84,11 @@ const PhotoPatch& PlaneSearch::patch(std::size_t t) {
   return patches_[t];
 }
 
-PatchScore PlaneSearch::Score(std::size_t t, const PatchPlane& plane, float hopeless) {
-  PatchScore score;
-  score.correlation.fill(kUnseen);
-  std::array<float, PatchScore::kMaxNeighbors> seen;
-  for (std::size_t j = 0; j < transfers_.size(); ++j) {
-    const float value = CompareInNeighbor(patch(t), plane, transfers_[j]);
-    score.correlation[j] = value;
-    if (value == kUnseen) continue;
-    seen[static_cast<std::size_t>(score.witnesses++)] = value;
-    if (score.witnesses == 2 && std::max(seen[0], seen[1]) < hopeless) {
-      score.best = std::max(seen[0], seen[1]);
-      return score;
-    }
-  }
-  if (score.witnesses == 0) return score;
-  const int count = std::min(3, (score.witnesses + 1) / 2);
-  std::partial_sort(seen.begin(), seen.begin() + count, seen.begin() + score.witnesses,
-                    std::greater<>());
-  score.best = 0;
-  for (int k = 0; k < count; ++k) score.best += seen[static_cast<std::size_t>(k)];
-  score.best /= static_cast<float>(count);
-  return score;
-}
-
-PatchScore PlaneSearch::ScorePresentPlane(std::size_t t) {
-  if (mesh_.supported[t] == 0) return {};
-  return Score(t, ToPatchPlane(planes_[t], mesh_.camera, patch(t)));
-}
-
 void PlaneSearch::ScorePresentPlanes() {
-  for (std::size_t t = 0; t < planes_.size(); ++t) scores_[t] = ScorePresentPlane(t);
+  for (std::size_t t = 0; t < planes_.size(); ++t) {
+    if (mesh_.supported[t] == 0) continue;
+    scores_[t] = ScorePlane(patch(t), ToPatchPlane(planes_[t], mesh_.camera, patch(t)), transfers_);
+  }
 }
 
 bool PlaneSearch::IsNew(std::size_t t, const PatchPlane& plane,
@@ -112,7 +113,7 @@ void PlaneSearch::TryAround(std::size_t t, bool with_superpixel) {
     const PatchPlane on_patch = ToPatchPlane(plane, mesh_.camera, patch);
     if (!(on_patch[0] > 0) || !IsNew(t, on_patch, tried)) return;
     tried.push_back(on_patch);
-    const PatchScore score = Score(t, on_patch, wanted - kHopeless);
+    const PatchScore score = ScorePlane(patch, on_patch, transfers_, wanted - kHopeless);
     if (score.witnesses < 2 || score.best < wanted) return;
     wanted = score.best;
     best_plane = plane;
@@ -140,7 +141,7 @@ void PlaneSearch::TryAround(std::size_t t, bool with_superpixel) {
   }
   if (!found) return;
   planes_[t] = best_plane;
-  scores_[t] = Score(t, ToPatchPlane(best_plane, mesh_.camera, patch));
+  scores_[t] = ScorePlane(patch, ToPatchPlane(best_plane, mesh_.camera, patch), transfers_);
 }
 
 void PlaneSearch::TryHypotheses() {

@@ -20,18 +20,22 @@ struct PatchScore {
   float best = kUnseen;  // mean of the better half of the witnesses, three at most
 };
 
+// Of a plane in the first kMaxNeighbors of the neighbours. Gives up when the first two witnesses
+// are both below `hopeless`.
+PatchScore ScorePlane(const PhotoPatch& patch, const PatchPlane& plane,
+                      const std::vector<PixelTransfer>& transfers, float hopeless = kUnseen);
+
 class PlaneSearch {
  public:
   // `transfers`: to the neighbours, best first; those after the fourth are not used. All are
   // referred to.
-  PlaneSearch(const ViewMesh& mesh, const ViewLookup& lookup, const cv::Mat1f& grey,
+  PlaneSearch(const ViewMesh& mesh, const ViewLookup& lookup, const cv::Mat1i& grey,
               std::vector<PixelTransfer> transfers, const SuperpixelStereoOptions& options);
 
   // Planes (in the view's camera) to try for all triangles of a superpixel.
   void AddHypothesis(int superpixel, const Eigen::Vector3d& plane_in_cam);
 
-  // Of a triangle's present plane; no witness when it is not supported.
-  PatchScore ScorePresentPlane(std::size_t t);
+  // Of the triangles' present planes; no witness where they are not supported.
   void ScorePresentPlanes();
   // Facets that are not explained try the hypotheses of their superpixel and the planes of facets
   // around; forwards, then backwards through the triangles, so that good planes spread.
@@ -39,12 +43,9 @@ class PlaneSearch {
   // Gauss-Newton steps for facets that are explained; then their rows.
   std::vector<DepthRow> RefineAndCollectRows();
 
-  const PhotoPatch& patch(std::size_t t);  // made when it is first asked for
-
  private:
   struct Refined;
-  // Gives up when the first two witnesses are both below `hopeless`.
-  PatchScore Score(std::size_t t, const PatchPlane& plane, float hopeless = kUnseen);
+  const PhotoPatch& patch(std::size_t t);  // made when it is first asked for
   void TryAround(std::size_t t, bool with_superpixel);
   bool IsNew(std::size_t t, const PatchPlane& plane, const std::vector<PatchPlane>& tried) const;
   Refined Refine(std::size_t t);
@@ -52,7 +53,7 @@ class PlaneSearch {
 
   const ViewMesh& mesh_;
   const ViewLookup& lookup_;
-  const cv::Mat1f& grey_;
+  const cv::Mat1i& grey_;
   std::vector<PixelTransfer> transfers_;
   SuperpixelStereoOptions options_;
   std::vector<PhotoPatch> patches_;  // of each triangle, once it was asked for

@@ -199,7 +199,9 @@ std::vector<cv::Point> ShuffledPixels(int width, int height, std::uint64_t seed)
     for (int x = std::min(1, width - 1); x < width; x += 2) pixels.emplace_back(x, y);
   }
   std::mt19937_64 random(seed);
-  for (std::size_t i = pixels.size(); i > 1; --i) std::swap(pixels[i - 1], pixels[random() % i]);
+  for (std::size_t i = pixels.size(); i > 1; --i) {
+    std::swap(pixels[i - 1], pixels[((random() >> 32) * i) >> 32]);
+  }
   return pixels;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
+#include <tuple>
 
 #include "colmap_ext/util/error.h"
 #include "mvs/raster.h"
@@ -101,6 +102,20 @@ std::vector<LineSegment> Consolidate(std::vector<LineSegment> pieces, double min
   return lines;
 }
 
+// In rows of tiles, to and fro: sites near each other get near numbers, and so do their triangles,
+// so that what later stages look up together lies together in memory.
+std::vector<Eigen::Vector2d> InTiles(std::vector<Eigen::Vector2d> sites_px) {
+  constexpr double kTilePx = 32.0;
+  const auto key = [](const Eigen::Vector2d& p) {
+    const int row = static_cast<int>(p.y() / kTilePx);
+    const int column = static_cast<int>(p.x() / kTilePx);
+    return std::make_tuple(row, row % 2 == 0 ? column : -column, p.y(), p.x());
+  };
+  std::sort(sites_px.begin(), sites_px.end(),
+            [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return key(a) < key(b); });
+  return sites_px;
+}
+
 }  // namespace
 
 std::vector<LineSegment> DetectLineSegments(const cv::Mat& bgr, const SuperpixelOptions& options) {
@@ -129,8 +144,8 @@ std::vector<LineSegment> DetectLineSegments(const cv::Mat& bgr, const Superpixel
 ImageMesh SegmentPhoto(const cv::Mat& bgr, const SuperpixelOptions& options) {
   const std::vector<LineSegment> segments = DetectLineSegments(bgr, options);
   const SuperpixelSites sites = PlaceSites(segments, bgr.cols, bgr.rows, options);
-  ImageMesh mesh = BuildVoronoiMesh(sites.points_px, bgr.cols, bgr.rows, sites.cover_radius_px,
-                                    options.merge_px);
+  ImageMesh mesh = BuildVoronoiMesh(InTiles(sites.points_px), bgr.cols, bgr.rows,
+                                    sites.cover_radius_px, options.merge_px);
   FillMeanColors(bgr, &mesh);
   return mesh;
 }

@@ -311,5 +311,66 @@ TEST(SuperpixelStereoOptions, SayWhatIsWrong) {
   EXPECT_NE(options.Check(), "");
 }
 
+// As photo-consistency gives them: one row about the depth at the centroid, two about the slant.
+std::vector<DepthRow> DepthAndSlantRows(const ViewMesh& view, const Eigen::Vector3d& plane_in_cam,
+                                        double factor) {
+  std::vector<DepthRow> rows;
+  for (std::size_t t = 0; t < view.image.triangles.size(); ++t) {
+    Eigen::Vector3d corners;
+    for (int k = 0; k < 3; ++k) {
+      const auto v = static_cast<std::size_t>(view.image.triangles[t][k]);
+      corners[k] = plane_in_cam.dot(view.camera.Ray(view.image.vertices_px[v]));
+    }
+    for (const Eigen::Vector3d& direction :
+         {Eigen::Vector3d(1, 1, 1), Eigen::Vector3d(-1, 1, 0), Eigen::Vector3d(0, -1, 1)}) {
+      DepthRow row;
+      row.triangle = static_cast<int>(t);
+      row.barycentric = factor * direction;
+      row.inverse_depth = row.barycentric.dot(corners);
+      rows.push_back(row);
+    }
+  }
+  return rows;
+}
+
+TEST(LinearStereo, AViewWithoutPointsFollowsRowsThatDoNotSumToOne) {
+  AnalyticSurvey survey =
+      testing::Survey({{Ground(60)}}, testing::TestCamera(),
+                      {LookAt({0, -12, 9}, {0, 0, 0}), LookAt({3, -12, 9}, {0, 0, 0})}, 300);
+  survey.photos.points.clear();
+  const PosedPhoto& photo = survey.photos.photos[0];
+  const ImageMesh mesh = SegmentPhoto(photo.bgr, {});
+  const LinearStereo stereo(survey.photos, 0, {}, mesh,
+                            RasterizeTriangleIds(mesh, photo.camera.width, photo.camera.height),
+                            {});
+  const Eigen::Vector3d plane = GroundPlaneInCam(photo.cam_from_world);
+  const std::vector<std::uint8_t> none_fixed(mesh.triangles.size(), 0);
+  for (const double factor : {1.0, 40.0, -3.0}) {
+    ViewMesh view = stereo.initial();
+    EXPECT_EQ(view.supported[0], 0);
+    stereo.Refine(none_fixed, DepthAndSlantRows(view, plane, factor), &view);
+    EXPECT_LT(PlaneError(view, plane), 1e-6) << factor;
+    EXPECT_EQ(*std::min_element(view.supported.begin(), view.supported.end()), 1);
+  }
+}
+
+TEST(LinearStereo, AViewWithNothingButSlantsIsLeftAlone) {
+  AnalyticSurvey survey =
+      testing::Survey({{Ground(60)}}, testing::TestCamera(),
+                      {LookAt({0, -12, 9}, {0, 0, 0}), LookAt({3, -12, 9}, {0, 0, 0})}, 300);
+  survey.photos.points.clear();
+  const PosedPhoto& photo = survey.photos.photos[0];
+  const ImageMesh mesh = SegmentPhoto(photo.bgr, {});
+  const LinearStereo stereo(survey.photos, 0, {}, mesh,
+                            RasterizeTriangleIds(mesh, photo.camera.width, photo.camera.height),
+                            {});
+  ViewMesh view = stereo.initial();
+  std::vector<DepthRow> rows = DepthAndSlantRows(view, GroundPlaneInCam(photo.cam_from_world), 1.0);
+  std::erase_if(rows, [](const DepthRow& row) { return row.barycentric.sum() != 0; });
+  stereo.Refine(std::vector<std::uint8_t>(mesh.triangles.size(), 0), rows, &view);
+  EXPECT_EQ(view.inverse_depth, stereo.initial().inverse_depth);
+  EXPECT_EQ(view.supported, stereo.initial().supported);
+}
+
 }  // namespace
 }  // namespace colmap_ext

@@ -98,6 +98,7 @@ TEST(SuperpixelStereo, FusionImprovesWhatFewPointsGive) {
   std::erase_if(survey.photos.points,
                 [](const SupportPoint& point) { return point.photo_indices.size() < 2; });
   SuperpixelStereoOptions options;
+  options.photometric = false;  // it gives the photo most of that by itself
   options.fusion_passes = 0;
   const auto measure = [&] {
     const auto result = RunSuperpixelStereo(survey.photos, {}, options, JobControl());
@@ -315,13 +316,14 @@ TEST(Neighbors, AreChosenBySharedPointsAndAngle) {
 
 TEST(Points, LieOnTheSurfacesAndFaceTheCamera) {
   const AnalyticSurvey survey = BoxSurvey(600);
-  // Without photo-consistency: on this scene's smooth noise its worst 5 % are twice as far off.
-  SuperpixelStereoOptions options;
-  options.photometric = false;
-  const auto result = RunSuperpixelStereo(survey.photos, {}, options, JobControl());
+  const auto result = RunSuperpixelStereo(survey.photos, {}, {}, JobControl());
   const OrientedPoints points = SamplePoints(survey.photos, result.views, {});
   ASSERT_GT(points.size(), 5000u);
+  // Facets of sky along the ground's far edge (15 m) may follow that edge: of an edge before what
+  // has no texture, photos cannot tell the side that it belongs to.
+  constexpr double kGroundM = 14.0;
   std::vector<double> off;
+  std::size_t wrong = 0;
   for (const OrientedPoint& point : points) {
     EXPECT_GT(point.confidence, 0.5F);
     EXPECT_NEAR(point.normal.norm(), 1, 1e-9);
@@ -331,11 +333,15 @@ TEST(Points, LieOnTheSurfacesAndFaceTheCamera) {
     const Eigen::Vector3d& p = point.position;
     const double to_box = std::max(
         {std::abs(p.x()) - 1.5, std::abs(p.y()) - 1.5, p.z() - 2.5});  // signed, inside negative
-    off.push_back(std::min(std::abs(p.z()), std::abs(to_box)));
+    const double distance = std::min(std::abs(p.z()), std::abs(to_box));
+    wrong += distance > 0.2;
+    if (p.head<2>().lpNorm<Eigen::Infinity>() < kGroundM) off.push_back(distance);
   }
+  ASSERT_GT(off.size(), 5000u);
+  EXPECT_LT(static_cast<double>(wrong), 0.06 * static_cast<double>(points.size()));
   std::sort(off.begin(), off.end());
   EXPECT_LT(off[off.size() / 2], 0.03);
-  EXPECT_LT(off[off.size() * 95 / 100], 0.15);
+  EXPECT_LT(off[off.size() * 95 / 100], 0.06);
 }
 
 TEST(Points, ThatNeighboursSeeThroughAreDropped) {

@@ -19,8 +19,11 @@ namespace colmap_ext {
 // (Eq. "fusion_term").
 struct DepthRow {
   int triangle = 0;
-  Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();  // sums to 1
-  double inverse_depth = 0;  // 1/z in the view's camera frame, in the units of the world
+  // Of the corners' inverse depths. Sums to 1 for a point of the triangle; rows about a plane's
+  // slant may sum to anything.
+  Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
+  double inverse_depth =
+      0;  // 1/z in the view's camera frame, in the units of the world, times that
   double weight = 1;
 };
 

@@ -14,9 +14,6 @@
 
 namespace colmap_ext {
 
-// The grey values that patches are compared in: CV_32FC1, 0 … 255, blurred a little.
-cv::Mat1f GreyPhoto(const cv::Mat& bgr);
-
 // Photo-consistency of one facet with its present plane.
 struct PhotoCue {
   int witnesses = 0;      // neighbours that the whole patch projects into; 0: nothing is known
@@ -56,7 +53,7 @@ class PhotometricStage {
   const PhotoSet& photos_;
   const std::vector<std::vector<int>>& neighbors_;
   SuperpixelStereoOptions options_;
-  std::vector<cv::Mat1f> grey_;                    // of each photo
+  std::vector<cv::Mat1i> grey_;                    // of each photo, as PackGrey makes it
   std::vector<std::vector<int>> points_of_photo_;  // in photos_.points
 };
 

@@ -32,7 +32,7 @@ struct SuperpixelStereoOptions {
 
   // Fusion.
   double fusion_weight = 1.0;  // λ_u of the paper; (0, 1e6]
-  int fusion_passes = 3;       // at most; 0: none; [0, 50]
+  int fusion_passes = 2;       // at most; 0: none; [0, 50]
   // Passes end earlier when fewer than fusion_moving_share of the facets of every view move by more
   // than fusion_tolerance of their depth.
   double fusion_tolerance = 0.002;     // [0, 1]

@@ -18,7 +18,7 @@ struct SuperpixelOptions {
   // Polygons of a 640 x 368 photo, scaled by area for other sizes; [20, 20000]. About this many
   // come out (paper: about 1000).
   int target_polygons = 1000;
-  double lsd_scale = 0.8;          // the LSD detector works on the photo scaled by this; [0.2, 1]
+  double lsd_scale = 0.6;          // the LSD detector works on the photo scaled by this; [0.2, 1]
   double min_segment_px = 12.0;    // shorter line segments are ignored; [3, 1000]
   double anchor_offset_px = 1.5;   // distance of an anchor from its segment; [0.5, 10]
   double anchor_spacing_px = 9.0;  // distance of anchor pairs along a segment; [2, 100]

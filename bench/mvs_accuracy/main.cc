@@ -6,6 +6,7 @@
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/options.h"
 #include "measures.h"
+#include "partition.h"
 #include "pictures.h"
 #include "support/bench_report.h"
 #include "survey.h"
@@ -107,7 +108,8 @@ void AddOptions(BenchOptions* o, OptionSet* set) {
   set->Add("", "sfm_poses", &o->survey.sfm_poses, "poses of colmap's mapper; 0: the true ones");
   set->Add("", "cache", &o->survey.cache, "folder of photos, truth and model, made once");
   set->Add("", "colmap_path", &o->survey.colmap_path, "the colmap program");
-  set->Add("", "variants", &o->variants, "all, or full: only the complete method");
+  set->Add("", "variants", &o->variants,
+           "all; full: only the complete method; none: the partition only");
   set->Add("", "calibrate", &o->calibrate, "also fit the sigmas of the confidence (0 or 1)");
   set->Add("", "step", &o->step, "every so many-th pixel counts, in both directions");
   set->Add("", "results", &o->results, "folder of mvs_accuracy_<scene>.json");
@@ -133,6 +135,12 @@ int Run(const std::vector<std::string>& arguments) {
   BenchReport report("mvs_accuracy_" + options.survey.scene);
   report.Add(options.survey.scene + ": photos", static_cast<double>(survey.photos.photos.size()),
              "");
+  constexpr int kPartitionEvery = 8;
+  ReportPartition(options.survey.scene, survey, options.superpixels, kPartitionEvery, &report);
+  if (options.variants == "none") {
+    report.Write(options.results);
+    return 0;
+  }
   for (const Variant& variant : MakeVariants(options)) {
     RunVariant(variant, survey, options, JobControl(), &report);
   }

@@ -3,13 +3,16 @@
 #include <iostream>
 #include <opencv2/imgproc.hpp>
 
+#include "colmap_ext/mvs/confidence.h"
 #include "colmap_ext/mvs/depth_map.h"
 #include "colmap_ext/mvs/points.h"
 #include "colmap_ext/mvs/stereo_io.h"
 #include "colmap_ext/mvs/superpixel_stereo.h"
+#include "colmap_ext/mvs/view_lookup.h"
 #include "colmap_ext/report/mesh_picture.h"
 #include "colmap_ext/report/photo_picture.h"
 #include "colmap_ext/report/picture_overlay.h"
+#include "colmap_ext/scene/dense_map.h"
 #include "colmap_ext/scene/oriented_points_io.h"
 #include "colmap_ext/scene/photo_scale.h"
 #include "colmap_ext/scene/reconstruction_io.h"
@@ -85,6 +88,33 @@ void WriteMapPictures(const PhotoSet& photos, const std::vector<ViewMesh>& views
   });
 }
 
+// The paper's three cues of Γ as maps (dense/stereo/confidence_cues) and pictures.
+void WriteCues(const PhotoSet& photos, const SuperpixelStereoResult& result,
+               const SuperpixelStereoOptions& options, const IterationFiles& files) {
+  std::vector<ViewLookup> lookups;
+  for (const ViewMesh& view : result.views) lookups.emplace_back(view, TriangleIdMap(view));
+  tbb::parallel_for(std::size_t{0}, result.views.size(), [&](std::size_t i) {
+    const std::vector<ConfidenceCues> cues =
+        EvaluateCues(result.views, lookups, result.neighbors[i], static_cast<int>(i), options);
+    const DenseMap maps = ConfidenceCueMaps(cues, lookups[i].triangle_at, options);
+    const std::string& name = photos.photos[i].name;
+    WriteDenseMap(maps, files.dense() / "stereo" / "confidence_cues" / (name + ".bin"));
+    int channel = 0;
+    for (const char* cue : {"position", "normal", "view"}) {
+      cv::Mat1b grey(maps.height, maps.width);
+      for (int y = 0; y < maps.height; ++y) {
+        for (int x = 0; x < maps.width; ++x) {
+          grey(y, x) = cv::saturate_cast<std::uint8_t>(255.0F * maps.At(y, x, channel));
+        }
+      }
+      cv::Mat picture;
+      cv::applyColorMap(grey, picture, cv::COLORMAP_VIRIDIS);
+      WritePng(picture, files.pictures() / (name + ".cue_" + cue + ".png"));
+      ++channel;
+    }
+  });
+}
+
 // The fused mesh and the fused points, seen from above at an angle.
 void WriteFusedPictures(const std::vector<ViewMesh>& views, double min_confidence,
                         const OrientedPoints& points, const std::filesystem::path& folder) {
@@ -141,8 +171,10 @@ int RunSuperpixelStereo(const Arguments& arguments, const CancelFlag& cancel) {
   line.options().Add("", "max_width_px", &max_width_px,
                      "wider photos are scaled down to this width (px, at least 64); larger "
                      "than the photos for their full resolution");
-  line.options().Add("", "pictures", &pictures,
-                     "also write pictures of depth, normals, confidence, fused mesh and points");
+  line.options().Add(
+      "", "pictures", &pictures,
+      "also write pictures of depth, normals, confidence and its cues, fused mesh and points, "
+      "and the cues as maps");
   BindOptions(line.options(), &superpixel_options);
   BindOptions(line.options(), &stereo_options);
   BindOptions(line.options(), &point_options);
@@ -173,6 +205,7 @@ int RunSuperpixelStereo(const Arguments& arguments, const CancelFlag& cancel) {
   WriteFusedMesh(result.views, point_options.min_confidence, paths.output / "fused_mesh.ply");
   if (pictures) {
     WriteMapPictures(photos, result.views, files.pictures());
+    WriteCues(photos, result, stereo_options, files);
     WriteFusedPictures(result.views, point_options.min_confidence, points, files.pictures());
   }
   std::cout << photos.photos.size() << " photos, "

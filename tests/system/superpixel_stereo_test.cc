@@ -3,6 +3,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "colmap_ext/scene/dense_map.h"
 #include "colmap_ext/scene/mesh_io.h"
 #include "colmap_ext/scene/oriented_points_io.h"
 #include "colmap_ext/scene/ply.h"
@@ -31,10 +32,13 @@ TEST_F(SuperpixelStereoCommand, ColmapFusesAndMeshesWhatItWrote) {
   const ColoredMesh mesh = ReadColoredMesh(out / "fused_mesh.ply");
   EXPECT_GT(mesh.mesh.faces.size(), 2000u);
   EXPECT_GT(ReadOrientedPoints(out / "fused.ply").size(), 5000u);
-  for (const char* picture : {"fused_mesh.png", "fused_points.png", "photo_103.png.depth.png",
-                              "photo_103.png.normal.png", "photo_103.png.confidence.png"}) {
+  for (const char* picture :
+       {"fused_mesh.png", "fused_points.png", "photo_103.png.depth.png", "photo_103.png.normal.png",
+        "photo_103.png.confidence.png", "photo_103.png.cue_position.png",
+        "photo_103.png.cue_normal.png", "photo_103.png.cue_view.png"}) {
     EXPECT_FALSE(cv::imread((out / "pictures" / picture).string()).empty()) << picture;
   }
+  EXPECT_EQ(ReadDenseMap(out / "dense/stereo/confidence_cues/photo_103.png.bin").channels, 4);
   if (FindProgram("colmap").empty()) GTEST_SKIP() << "no colmap";
 
   const std::string cloud = (out / "colmap_fused.ply").string();

@@ -179,8 +179,8 @@ class Database::Transaction {
   void SetPositionPrior(ImageId image_id, const Eigen::Vector3d& position,
                         PriorFrame frame = PriorFrame::kWgs84);
 
-  // Throw Error when the photo or pair has an entry already. No keypoints are stored as 0 x 6, which
-  // COLMAP reads.
+  // Throw Error when the photo or pair has an entry already. No keypoints are stored as 0 x 6,
+  // which COLMAP reads.
   void InsertKeypoints(ImageId image_id, const KeypointMatrix& keypoints);
   void InsertDescriptors(ImageId image_id, const DescriptorMatrix& descriptors);
   void InsertMatches(const ImagePair& pair, const std::vector<KeypointMatch>& matches);

@@ -1,6 +1,7 @@
 // dense_reconstructor: photos with poses to a dense cloud and a mesh, offline.
 #include <algorithm>
 #include <iostream>
+#include <utility>
 
 #include "colmap_ext/coverage/region.h"
 #include "colmap_ext/dense/back_end.h"
@@ -14,6 +15,7 @@
 #include "colmap_ext/util/child_process.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
+#include "colmap_ext/util/statistics.h"
 #include "command_line.h"
 #include "commands.h"
 #include "workspace_inputs.h"
@@ -108,9 +110,7 @@ double PointSpacing(const OrientedPoints& points) {
   for (std::size_t i = 0; i + 1 < points.size(); i += step) {
     distances.push_back((points[i + 1].position - points[i].position).norm());
   }
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle;
+  return MiddleValue(std::move(distances));
 }
 
 // A mesh as fine as the points, that closes only small holes; what the user gave stays.

@@ -1,5 +1,4 @@
 #include <cctype>
-#include <cstdio>
 #include <iostream>
 
 #include "colmap_ext/eval/count_views.h"
@@ -14,6 +13,7 @@
 #include "colmap_ext/scene/workspace.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
+#include "colmap_ext/util/text.h"
 #include "command_line.h"
 #include "commands.h"
 #include "depth_evaluation.h"
@@ -117,41 +117,36 @@ std::vector<CameraPair> ReadCameraPairs(const Paths& paths) {
   return pairs;
 }
 
-std::string Format(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
 void PrintResult(const EvaluationResult& result, const ModelAlignment& alignment) {
-  std::cout << "mean error       " << Format("%8.1f mm", 1000 * result.errors.mean_m)
-            << "\nRMS error        " << Format("%8.1f mm", 1000 * result.errors.rms_m)
-            << "\nmedian error     " << Format("%8.1f mm", 1000 * result.errors.median_m)
-            << "\n90th percentile  " << Format("%8.1f mm", 1000 * result.errors.percentile90_m)
-            << "\nscale            " << Format("%12.6f", alignment.truth_from_model.scale)
+  std::cout << "mean error       " << FormatNumber("%8.1f mm", 1000 * result.errors.mean_m)
+            << "\nRMS error        " << FormatNumber("%8.1f mm", 1000 * result.errors.rms_m)
+            << "\nmedian error     " << FormatNumber("%8.1f mm", 1000 * result.errors.median_m)
+            << "\n90th percentile  "
+            << FormatNumber("%8.1f mm", 1000 * result.errors.percentile90_m)
+            << "\nscale            " << FormatNumber("%12.6f", alignment.truth_from_model.scale)
             << "\nsamples          "
-            << Format("%8.0f", static_cast<double>(result.truth_samples.size()))
+            << FormatNumber("%8.0f", static_cast<double>(result.truth_samples.size()))
             << "\n\n  distance  completeness  accuracy   F-score\n";
   for (const ThresholdScore& score : result.scores) {
-    std::cout << Format("%7.1f mm", 1000 * score.threshold_m)
-              << Format("%12.1f %%", 100 * score.completeness)
-              << Format("%8.1f %%", 100 * score.accuracy)
-              << Format("%8.1f %%\n", 100 * score.f_score);
+    std::cout << FormatNumber("%7.1f mm", 1000 * score.threshold_m)
+              << FormatNumber("%12.1f %%", 100 * score.completeness)
+              << FormatNumber("%8.1f %%", 100 * score.accuracy)
+              << FormatNumber("%8.1f %%\n", 100 * score.f_score);
   }
 }
 
 void PrintPart(const char* title, const ErrorSummary& part, const EvaluationResult& result) {
   std::cout << '\n'
             << title
-            << Format(": %.1f %% of the truth",
-                      100 * static_cast<double>(part.samples) /
-                          static_cast<double>(result.truth_samples.size()));
+            << FormatNumber(": %.1f %% of the truth",
+                            100 * static_cast<double>(part.samples) /
+                                static_cast<double>(result.truth_samples.size()));
   if (part.samples > 0) {
-    std::cout << Format(", mean error %.1f mm", 1000 * part.mean_m)
-              << Format(", RMS %.1f mm", 1000 * part.rms_m);
+    std::cout << FormatNumber(", mean error %.1f mm", 1000 * part.mean_m)
+              << FormatNumber(", RMS %.1f mm", 1000 * part.rms_m);
     for (std::size_t i = 0; i < result.scores.size(); ++i) {
-      std::cout << Format(", within %.1f mm", 1000 * result.scores[i].threshold_m)
-                << Format(" %.1f %%", 100 * part.completeness[i]);
+      std::cout << FormatNumber(", within %.1f mm", 1000 * result.scores[i].threshold_m)
+                << FormatNumber(" %.1f %%", 100 * part.completeness[i]);
     }
   }
   std::cout << '\n';

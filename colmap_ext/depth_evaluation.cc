@@ -1,7 +1,6 @@
 #include "depth_evaluation.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <iostream>
 #include <optional>
 #include <utility>
@@ -11,17 +10,12 @@
 #include "colmap_ext/scene/dense_map.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
+#include "colmap_ext/util/text.h"
 
 namespace colmap_ext {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string Format(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
 
 // Pairs of a map and the true one: the file, or every map of the folder.
 std::vector<std::pair<fs::path, fs::path>> DepthPairs(const DepthMapPaths& paths) {
@@ -46,18 +40,19 @@ std::vector<std::pair<fs::path, fs::path>> DepthPairs(const DepthMapPaths& paths
 }
 
 void PrintDepth(const DepthEvaluation& evaluation) {
-  std::cout << "pixels with depth " << Format("%8.1f %%", 100 * evaluation.valid_share)
-            << "\nmedian |dz|/z     " << Format("%8.3f %%", 100 * evaluation.median)
-            << "\n90th percentile   " << Format("%8.3f %%", 100 * evaluation.percentile90)
-            << "\nwithin 1 %        " << Format("%8.1f %%", 100 * evaluation.within_1_percent)
-            << "\nwithin 5 %        " << Format("%8.1f %%", 100 * evaluation.within_5_percent)
-            << "\nmean |dz|         " << Format("%8.1f mm\n", 1000 * evaluation.mean_error_m);
+  std::cout << "pixels with depth " << FormatNumber("%8.1f %%", 100 * evaluation.valid_share)
+            << "\nmedian |dz|/z     " << FormatNumber("%8.3f %%", 100 * evaluation.median)
+            << "\n90th percentile   " << FormatNumber("%8.3f %%", 100 * evaluation.percentile90)
+            << "\nwithin 1 %        " << FormatNumber("%8.1f %%", 100 * evaluation.within_1_percent)
+            << "\nwithin 5 %        " << FormatNumber("%8.1f %%", 100 * evaluation.within_5_percent)
+            << "\nmean |dz|         " << FormatNumber("%8.1f mm\n", 1000 * evaluation.mean_error_m);
   if (evaluation.by_confidence.empty()) return;
   std::cout << "\n confidence      pixels      mean    median\n";
   for (const ConfidenceBin& bin : evaluation.by_confidence) {
-    std::cout << Format("%4.1f", bin.low) << Format(" ... %.1f", bin.high)
-              << Format("%12.0f", static_cast<double>(bin.pixels))
-              << Format("%8.3f %%", 100 * bin.mean) << Format("%8.3f %%\n", 100 * bin.median);
+    std::cout << FormatNumber("%4.1f", bin.low) << FormatNumber(" ... %.1f", bin.high)
+              << FormatNumber("%12.0f", static_cast<double>(bin.pixels))
+              << FormatNumber("%8.3f %%", 100 * bin.mean)
+              << FormatNumber("%8.3f %%\n", 100 * bin.median);
   }
 }
 

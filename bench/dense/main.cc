@@ -15,6 +15,7 @@
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
 #include "colmap_ext/util/options.h"
+#include "support/bench_main.h"
 #include "support/bench_report.h"
 #include "survey.h"
 
@@ -220,10 +221,5 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace colmap_ext
 
 int main(int argc, char** argv) {
-  try {
-    return colmap_ext::Run({argv + 1, argv + argc});
-  } catch (const std::exception& error) {
-    std::cerr << "bench_dense: " << error.what() << '\n';
-    return 1;
-  }
+  return colmap_ext::BenchMain("bench_dense", colmap_ext::Run, argc, argv);
 }

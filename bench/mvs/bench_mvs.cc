@@ -13,6 +13,7 @@
 #include "colmap_ext/util/child_process.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/stage_timer.h"
+#include "support/bench_main.h"
 #include "support/bench_report.h"
 #include "survey.h"
 
@@ -224,13 +225,5 @@ int Main(const std::vector<std::string>& arguments) {
 }  // namespace colmap_ext
 
 int main(int argc, char** argv) {
-  try {
-    return colmap_ext::Main({argv + 1, argv + argc});
-  } catch (const colmap_ext::UsageError& error) {
-    std::cerr << "bench_mvs: " << error.what() << '\n';
-    return 2;
-  } catch (const std::exception& error) {
-    std::cerr << "bench_mvs: " << error.what() << '\n';
-    return 1;
-  }
+  return colmap_ext::BenchMain("bench_mvs", colmap_ext::Main, argc, argv);
 }

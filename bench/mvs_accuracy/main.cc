@@ -8,6 +8,7 @@
 #include "measures.h"
 #include "partition.h"
 #include "pictures.h"
+#include "support/bench_main.h"
 #include "support/bench_report.h"
 #include "survey.h"
 
@@ -152,13 +153,5 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace colmap_ext
 
 int main(int argc, char** argv) {
-  try {
-    return colmap_ext::Run({argv + 1, argv + argc});
-  } catch (const colmap_ext::UsageError& error) {
-    std::cerr << "bench_mvs_accuracy: " << error.what() << '\n';
-    return 2;
-  } catch (const std::exception& error) {
-    std::cerr << "bench_mvs_accuracy: " << error.what() << '\n';
-    return 1;
-  }
+  return colmap_ext::BenchMain("bench_mvs_accuracy", colmap_ext::Run, argc, argv);
 }

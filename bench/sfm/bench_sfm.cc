@@ -12,6 +12,7 @@
 #include "flight.h"
 #include "matcher_race.h"
 #include "rivals.h"
+#include "support/bench_main.h"
 #include "support/bench_report.h"
 
 namespace colmap_ext {
@@ -362,10 +363,5 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace colmap_ext
 
 int main(int argc, char** argv) {
-  try {
-    return colmap_ext::Run({argv + 1, argv + argc});
-  } catch (const colmap_ext::Error& error) {
-    std::fprintf(stderr, "bench_sfm: %s\n", error.what());
-    return 1;
-  }
+  return colmap_ext::BenchMain("bench_sfm", colmap_ext::Run, argc, argv);
 }

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/statistics.h"
 
 namespace colmap_ext {
 namespace {
@@ -20,9 +22,7 @@ double MedianEdgeLength(const TriangleMesh& mesh) {
     }
   }
   if (lengths.empty()) return 0;
-  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-  std::nth_element(lengths.begin(), middle, lengths.end());
-  return *middle;
+  return MiddleValue(std::move(lengths));
 }
 
 // Poisson surfaces have edges of about the finest cell, and err by about that much; for a mesh with

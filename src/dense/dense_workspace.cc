@@ -15,14 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void WritePicture(const cv::Mat& bgr, const fs::path& path) {
-  std::vector<unsigned char> bytes;
-  constexpr int kQuality = 98;  // of JPEG; other formats ignore it
-  if (!cv::imencode(path.extension().string(), bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, kQuality})) {
-    throw Error("cannot encode " + path.string() + "; is its extension a picture's?");
-  }
-  WriteFileAtomically(path, std::string(bytes.begin(), bytes.end()));
-}
+constexpr int kJpegQuality = 98;
 
 std::string PatchMatchConfig(const PhotoSet& photos,
                              const std::vector<std::vector<int>>& partners) {
@@ -63,7 +56,7 @@ void PrepareDenseWorkspace(const PhotoSource& photos, const std::vector<std::vec
   tbb::parallel_for(std::size_t{0}, posed.size(), [&](std::size_t i) {
     if (job.IsCancelled()) return;
     const fs::path path = workspace.images() / posed[i].name;
-    if (!fs::exists(path)) WritePicture(photos.Load(i), path);
+    if (!fs::exists(path)) WritePhoto(photos.Load(i), path, kJpegQuality);
     job.Progress("undistorting", ++done, posed.size());
   });
   job.ThrowIfCancelled();

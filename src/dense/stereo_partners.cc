@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace colmap_ext {
 namespace {
@@ -28,36 +27,10 @@ double PairScore(const Eigen::Vector3d& ray_a, const Eigen::Vector3d& ray_b,
 
 std::vector<std::vector<int>> ChooseStereoPartners(const PhotoSet& photos,
                                                    const DenseStereoOptions& options) {
-  const std::size_t n = photos.photos.size();
-  std::vector<Eigen::Vector3d> centers;
-  for (const PosedPhoto& photo : photos.photos)
-    centers.push_back(CameraCenter(photo.cam_from_world));
-
-  std::vector<std::map<int, double>> score(n);
-  for (const SupportPoint& point : photos.points) {
-    for (std::size_t a = 0; a < point.photo_indices.size(); ++a) {
-      const auto i = static_cast<std::size_t>(point.photo_indices[a]);
-      for (std::size_t b = a + 1; b < point.photo_indices.size(); ++b) {
-        const auto j = static_cast<std::size_t>(point.photo_indices[b]);
-        const double gain =
-            PairScore(point.position - centers[i], point.position - centers[j], options);
-        if (!(gain > 0)) continue;
-        score[i][static_cast<int>(j)] += gain;
-        score[j][static_cast<int>(i)] += gain;
-      }
-    }
-  }
-
-  std::vector<std::vector<int>> partners(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    std::vector<std::pair<double, int>> ranked;
-    for (const auto& [j, s] : score[i]) ranked.emplace_back(-s, j);
-    std::sort(ranked.begin(), ranked.end());
-    const auto wanted = static_cast<std::size_t>(options.num_partners);
-    if (ranked.size() > wanted) ranked.resize(wanted);
-    for (const auto& [s, j] : ranked) partners[i].push_back(j);
-  }
-  return partners;
+  const auto score = [&](const Eigen::Vector3d& ray_a, const Eigen::Vector3d& ray_b) {
+    return PairScore(ray_a, ray_b, options);
+  };
+  return RankPartners(photos, score, options.num_partners);
 }
 
 DepthRange RangeOfDepths(std::vector<float> depths) {

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/statistics.h"
 #include "nearest.h"
 #include "samples.h"
 
@@ -20,12 +21,6 @@ using Matrix7d = Eigen::Matrix<double, 7, 7>;
 // Directions of the normal equations weaker than this share of the strongest are not determined by
 // the shape (a plane slides, a sphere turns) and stay as they are.
 constexpr double kUndetermined = 1e-7;
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // A truth sample and the nearest model point, both in the truth frame.
 struct Correspondence {
@@ -191,7 +186,7 @@ CameraAlignment AlignByCameras(const std::vector<CameraPair>& pairs) {
     result.rms_m = std::sqrt(sum / static_cast<double>(count));
     // The floor keeps rounding from rejecting exact pairs.
     const double extent = (truth.colwise() - truth.rowwise().mean()).colwise().norm().maxCoeff();
-    const double limit = std::max(5.0 * Median(residual), 1e-6 * extent);
+    const double limit = std::max(5.0 * MiddleValue(residual), 1e-6 * extent);
     std::vector<bool> next(pairs.size());
     for (std::size_t i = 0; i < pairs.size(); ++i) next[i] = residual[i] <= limit;
     if (next == used || std::count(next.begin(), next.end(), true) < 3) break;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/statistics.h"
 #include "nearest.h"
 #include "samples.h"
 
@@ -61,15 +62,6 @@ double Rms(const std::vector<double>& values, double cap) {
   return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
-// `values` must not be empty; `share` in [0, 1].
-double Percentile(std::vector<double> values, double share) {
-  const auto rank = std::min(static_cast<std::size_t>(share * static_cast<double>(values.size())),
-                             values.size() - 1);
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(rank);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 ErrorSummary Summarize(const std::vector<double>& errors, const EvaluationOptions& options) {
   const std::vector<double> thresholds = options.ThresholdsM();
   ErrorSummary summary;
@@ -81,8 +73,8 @@ ErrorSummary Summarize(const std::vector<double>& errors, const EvaluationOption
   const double no_cap = std::numeric_limits<double>::infinity();
   summary.mean_m = Mean(errors, no_cap);
   summary.rms_m = Rms(errors, no_cap);
-  summary.median_m = Percentile(errors, 0.5);
-  summary.percentile90_m = Percentile(errors, 0.9);
+  summary.median_m = Quantile(errors, 0.5);
+  summary.percentile90_m = Quantile(errors, 0.9);
   summary.capped_mean_m = Mean(errors, options.cap_m);
   summary.capped_rms_m = Rms(errors, options.cap_m);
   return summary;

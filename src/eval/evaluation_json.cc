@@ -1,7 +1,7 @@
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "colmap_ext/eval/evaluate.h"
+#include "colmap_ext/util/text.h"
 
 namespace colmap_ext {
 namespace {
@@ -48,11 +48,7 @@ nlohmann::ordered_json PartJson(const ErrorSummary& part, const EvaluationResult
 
 }  // namespace
 
-std::string ThresholdKey(double threshold_m) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%gmm", threshold_m * 1000.0);
-  return text;
-}
+std::string ThresholdKey(double threshold_m) { return FormatNumber("%gmm", threshold_m * 1000.0); }
 
 std::string EvaluationToJson(const EvaluationResult& result, const ModelAlignment& alignment,
                              const EvaluationOptions& options) {

@@ -4,25 +4,16 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <numeric>
-#include <random>
+#include <iterator>
 
 #include "colmap_ext/geom/point_index.h"
+#include "colmap_ext/util/statistics.h"
 
 namespace colmap_ext {
 namespace {
 
 // Enough to average out a scanner's noise, few enough to stay on one face.
 constexpr std::size_t kNormalNeighbors = 16;
-
-// 0 … count - 1 in random order; the same on every machine (std::shuffle is not).
-std::vector<std::size_t> RandomOrder(std::size_t count, std::uint64_t seed) {
-  std::vector<std::size_t> order(count);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::mt19937_64 random(seed);
-  for (std::size_t i = count; i > 1; --i) std::swap(order[i - 1], order[random() % i]);
-  return order;
-}
 
 std::vector<SurfaceSample> CloudSamplesInBox(const std::vector<Eigen::Vector3d>& points,
                                              const BoundingBox& box, double spacing_m,

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <random>
 #include <unordered_map>
 
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/statistics.h"
 
 namespace colmap_ext {
 namespace {
@@ -174,13 +174,9 @@ std::vector<SurfaceSample> SamplePoissonDisk(const TriangleMesh& mesh, double ra
 
 std::vector<std::size_t> ThinPoints(const std::vector<Eigen::Vector3d>& points, double radius_m,
                                     std::uint64_t seed) {
-  std::vector<std::size_t> order(points.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::mt19937_64 random(seed);
-  for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
   PointGrid grid(radius_m);
   std::vector<std::size_t> kept;
-  for (const std::size_t i : order) {
+  for (const std::size_t i : RandomOrder(points.size(), seed)) {
     if (grid.HasNeighbor(points[i])) continue;
     grid.Insert(points[i]);
     kept.push_back(i);

@@ -7,17 +7,12 @@
 #include <queue>
 
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/statistics.h"
 #include "mvs/facet_system.h"
 #include "mvs/raster.h"
 
 namespace colmap_ext {
 namespace {
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Of what the rows say about depth itself; rows about slants (coefficients that nearly cancel) say
 // nothing. 0 when none does.
@@ -29,7 +24,7 @@ double MedianInverseDepth(const std::vector<DepthRow>& rows) {
     if (!(std::abs(sum) > kLeastSum * row.barycentric.norm())) continue;
     if (row.inverse_depth / sum > 0) inverse_depths.push_back(row.inverse_depth / sum);
   }
-  return inverse_depths.empty() ? 0.0 : Median(std::move(inverse_depths));
+  return inverse_depths.empty() ? 0.0 : MiddleValue(std::move(inverse_depths));
 }
 
 Eigen::Vector2d Centroid(const ImageMesh& mesh, std::size_t t) {
@@ -157,7 +152,7 @@ void LinearStereo::Impl::SolveInitially() {
       residuals.push_back(std::abs(
           row.inverse_depth - row.barycentric.dot(depth[static_cast<std::size_t>(row.triangle)])));
     }
-    const double sigma = std::max(kResidualFloor, 1.4826 * Median(residuals));
+    const double sigma = std::max(kResidualFloor, 1.4826 * MiddleValue(residuals));
     for (std::size_t r = 0; r < sfm_rows.size(); ++r) {
       const double ratio = residuals[r] / (kCauchy * sigma);
       sfm_rows[r].weight = plain_rows[r].weight / (1.0 + ratio * ratio);

@@ -3,6 +3,9 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "colmap_ext/util/statistics.h"
 
 namespace colmap_ext {
 namespace {
@@ -64,10 +67,7 @@ PlaneSearch::PlaneSearch(const ViewMesh& mesh, const ViewLookup& lookup, const c
     if (mesh.supported[t] != 0) inverse_depths.push_back(mesh.inverse_depth[t].mean());
   }
   if (inverse_depths.empty()) return;
-  const auto middle =
-      inverse_depths.begin() + static_cast<std::ptrdiff_t>(inverse_depths.size() / 2);
-  std::nth_element(inverse_depths.begin(), middle, inverse_depths.end());
-  median_inverse_depth_ = *middle;
+  median_inverse_depth_ = MiddleValue(std::move(inverse_depths));
 }
 
 void PlaneSearch::AddHypothesis(int superpixel, const Eigen::Vector3d& plane_in_cam) {

@@ -38,14 +38,6 @@ Reconstruction PinholeModel(const PhotoSet& photos, const Reconstruction& model)
   return pinhole;
 }
 
-void WritePhoto(const PosedPhoto& photo, const std::filesystem::path& path) {
-  std::vector<std::uint8_t> bytes;
-  if (!cv::imencode(path.extension().string(), photo.bgr, bytes)) {
-    throw Error("cannot encode " + path.string() + "; is its extension a picture's?");
-  }
-  WriteFileAtomically(path, std::string(bytes.begin(), bytes.end()));
-}
-
 std::string FusionConfig(const PhotoSet& photos) {
   std::ostringstream text;
   for (const PosedPhoto& photo : photos.photos) text << photo.name << '\n';
@@ -166,7 +158,7 @@ void WriteDenseWorkspace(const PhotoSet& photos, const Reconstruction& model,
     WriteDenseMap(maps.depth, stereo / "depth_maps" / (photo.name + ".geometric.bin"));
     WriteDenseMap(maps.normal, stereo / "normal_maps" / (photo.name + ".geometric.bin"));
     WriteDenseMap(maps.confidence, stereo / "confidence_maps" / (photo.name + ".bin"));
-    WritePhoto(photo, folder / "images" / photo.name);
+    WritePhoto(photo.bgr, folder / "images" / photo.name);
   });
   WriteReconstructionBinary(pinhole, folder / "sparse");
   WriteFileAtomically(stereo / "patch-match.cfg", PatchMatchConfig(photos, neighbors));

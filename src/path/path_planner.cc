@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 
 #include "colmap_ext/path/clearance.h"
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/text.h"
 #include "path/leg_planner.h"
 #include "path/tour.h"
 
@@ -29,11 +29,7 @@ double Length(const Polyline& polyline) {
   return length;
 }
 
-std::string Metres(double value) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.2f m", value);
-  return text;
-}
+std::string Metres(double value) { return FormatNumber("%.2f m", value); }
 
 // The volume in which detours are looked for: start and views, and room to fly around and over the
 // surface between them, but at most a cell lower than the lowest of them: what cannot be gone

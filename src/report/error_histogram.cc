@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <opencv2/imgproc.hpp>
 #include <string>
 
 #include "colmap_ext/report/picture_overlay.h"
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/text.h"
 
 namespace colmap_ext {
 namespace {
@@ -21,12 +21,6 @@ const Rgb kBeyond = {0.80f, 0.36f, 0.20f};
 cv::Scalar ToBgr(const Rgb& color) {
   return {255.0 * static_cast<double>(color[2]), 255.0 * static_cast<double>(color[1]),
           255.0 * static_cast<double>(color[0])};
-}
-
-std::string Format(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
 }
 
 // Share of the errors in each bar; the last is what lies beyond.
@@ -52,10 +46,12 @@ class Plot {
     for (int i = 0; i <= 4; ++i) {
       const int y = Y(max_share_ * i / 4);
       cv::line(picture_, {area_.x, y}, {area_.x + area_.width, y}, ToBgr(kFaint), 1);
-      Text(Format("%.0f %%", 25.0 * i * max_share_), {area_.x - 6.0, 1.0 * y}, TextAnchor::kRight);
-      Text(Format("%.0f %%", 25.0 * i), {area_.x + area_.width + 6.0, 1.0 * y}, TextAnchor::kLeft);
+      Text(FormatNumber("%.0f %%", 25.0 * i * max_share_), {area_.x - 6.0, 1.0 * y},
+           TextAnchor::kRight);
+      Text(FormatNumber("%.0f %%", 25.0 * i), {area_.x + area_.width + 6.0, 1.0 * y},
+           TextAnchor::kLeft);
       const double error_m = max_error_m_ * i / 4;
-      Text(Format("%.0f mm", 1000 * error_m), {X(error_m), area_.br().y + 14.0},
+      Text(FormatNumber("%.0f mm", 1000 * error_m), {X(error_m), area_.br().y + 14.0},
            TextAnchor::kCenter);
     }
     Text("bars: share of the samples by error; line: share below; last bar: beyond",
@@ -87,7 +83,7 @@ class Plot {
     if (threshold_m > max_error_m_) return;
     const auto x = static_cast<int>(X(threshold_m));
     cv::line(picture_, {x, area_.y}, {x, area_.br().y}, ToBgr(kInk), 1, cv::LINE_AA);
-    Text(Format("%.1f mm: ", 1000 * threshold_m) + Format("%.1f %%", 100 * share_below),
+    Text(FormatNumber("%.1f mm: ", 1000 * threshold_m) + FormatNumber("%.1f %%", 100 * share_below),
          {1.0 * x, area_.y - 12.0}, TextAnchor::kCenter);
   }
 

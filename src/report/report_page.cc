@@ -7,6 +7,7 @@
 #include "colmap_ext/report/summary_table.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
+#include "colmap_ext/util/text.h"
 #include "report/html_text.h"
 #include "report/line_chart.h"
 #include "report/page_assets.h"
@@ -16,15 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string Format(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
 std::string Duration(double seconds) {
-  if (seconds < 120) return Format("%.0f s", seconds);
-  return Format("%.1f min", seconds / 60);
+  if (seconds < 120) return FormatNumber("%.0f s", seconds);
+  return FormatNumber("%.1f min", seconds / 60);
 }
 
 std::string Tile(const std::string& value, const std::string& label) {
@@ -40,15 +35,18 @@ std::string Tiles(const SessionSummary& summary) {
   html += Tile(std::to_string(summary.iterations.size()), "iterations");
   html += Tile(std::to_string(last.registered) + " / " + std::to_string(last.photos),
                "photos registered");
-  if (last.covered_ratio) html += Tile(Format("%.1f %%", 100 * *last.covered_ratio), "covered");
+  if (last.covered_ratio)
+    html += Tile(FormatNumber("%.1f %%", 100 * *last.covered_ratio), "covered");
   if (last.reachable_covered_ratio) {
-    html +=
-        Tile(Format("%.1f %%", 100 * *last.reachable_covered_ratio), "of the reachable covered");
+    html += Tile(FormatNumber("%.1f %%", 100 * *last.reachable_covered_ratio),
+                 "of the reachable covered");
   }
-  if (last.mean_error_m) html += Tile(Format("%.1f mm", 1000 * *last.mean_error_m), "mean error");
-  if (last.rms_error_m) html += Tile(Format("%.1f mm", 1000 * *last.rms_error_m), "RMS error");
+  if (last.mean_error_m)
+    html += Tile(FormatNumber("%.1f mm", 1000 * *last.mean_error_m), "mean error");
+  if (last.rms_error_m)
+    html += Tile(FormatNumber("%.1f mm", 1000 * *last.rms_error_m), "RMS error");
   for (const CompletenessValue& value : last.completeness) {
-    html += Tile(Format("%.1f %%", 100 * value.share), "complete within " + value.key);
+    html += Tile(FormatNumber("%.1f %%", 100 * value.share), "complete within " + value.key);
   }
   double seconds = 0;
   for (const IterationSummary& iteration : summary.iterations) seconds += iteration.wall_s;
@@ -152,9 +150,10 @@ std::string IterationSection(std::size_t index, const IterationSummary& iteratio
   const std::string number = std::to_string(index);
   std::string facts = std::to_string(iteration.registered) + " of " +
                       std::to_string(iteration.photos) + " photos registered";
-  if (iteration.covered_ratio) facts += Format(", %.1f %% covered", 100 * *iteration.covered_ratio);
+  if (iteration.covered_ratio)
+    facts += FormatNumber(", %.1f %% covered", 100 * *iteration.covered_ratio);
   if (iteration.mean_error_m)
-    facts += Format(", mean error %.1f mm", 1000 * *iteration.mean_error_m);
+    facts += FormatNumber(", mean error %.1f mm", 1000 * *iteration.mean_error_m);
   facts += ", " + Duration(iteration.wall_s);
   std::string html = "<section data-iteration=\"" + number +
                      "\"><div class=\"head\"><h2>Iteration " + number + "</h2><p class=\"soft\">" +

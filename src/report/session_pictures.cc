@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <map>
 
 #include "colmap_ext/geom/point_index.h"
 #include "colmap_ext/report/picture_overlay.h"
+#include "colmap_ext/util/text.h"
 
 namespace colmap_ext {
 namespace {
@@ -20,12 +20,6 @@ const Rgb kPhotoColor(0.20f, 0.34f, 0.48f);
 const Rgb kViewColor(0.80f, 0.33f, 0.04f);
 const Rgb kDroppedColor(0.47f, 0.48f, 0.50f);
 const Rgb kPathColor(0.42f, 0.18f, 0.62f);
-
-std::string Format(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
 
 // 12345 -> "12,345".
 std::string Grouped(std::size_t count) {
@@ -207,12 +201,12 @@ void DrawFlightLegend(const FlightPicture& flight, cv::Mat* bgr) {
                     Grouped(flight.path.dropped_view_ids.size()), false});
   }
   if (flight.path.waypoints.size() > 1) {
-    rows.push_back(
-        {kPathColor, "path",
-         Format("%.0f m", flight.path.length_m) + Format(", %.0f s", flight.path.duration_s),
-         true});
-    rows.push_back(
-        {kPathColor, "smallest clearance", Format("%.1f m", flight.path.min_clearance_m), true});
+    rows.push_back({kPathColor, "path",
+                    FormatNumber("%.0f m", flight.path.length_m) +
+                        FormatNumber(", %.0f s", flight.path.duration_s),
+                    true});
+    rows.push_back({kPathColor, "smallest clearance",
+                    FormatNumber("%.1f m", flight.path.min_clearance_m), true});
   }
   DrawLegend("Flight path", rows, bgr);
 }
@@ -258,7 +252,7 @@ cv::Mat RenderCoverageMap(const MeshPainter& painter, const CoverageMap& map,
                                         {CoverageClass::kIgnored, "ignored"}}) {
     rows.push_back({ColorOf(coverage), label, Grouped(map.Count(coverage)), false});
   }
-  DrawLegend("Coverage " + Format("%.1f %%", 100 * map.CoveredRatio()), rows, &bgr);
+  DrawLegend("Coverage " + FormatNumber("%.1f %%", 100 * map.CoveredRatio()), rows, &bgr);
   return bgr;
 }
 

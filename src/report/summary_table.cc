@@ -1,21 +1,16 @@
 #include "colmap_ext/report/summary_table.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <functional>
 #include <sstream>
+
+#include "colmap_ext/util/text.h"
 
 namespace colmap_ext {
 namespace {
 
-std::string Format(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
 std::string Format(const char* format, const std::optional<double>& value, double factor) {
-  return value ? Format(format, *value * factor) : "-";
+  return value ? FormatNumber(format, *value * factor) : "-";
 }
 
 // A column: its title, and its cell for the i-th iteration.
@@ -49,7 +44,7 @@ std::vector<Column> MakeColumns(const SessionSummary& summary) {
   for (const std::string& key : CompletenessKeys(summary)) {
     columns.push_back({"within " + key + " %", [key](Row row, std::size_t) {
                          for (const CompletenessValue& value : row.completeness) {
-                           if (value.key == key) return Format("%.1f", 100 * value.share);
+                           if (value.key == key) return FormatNumber("%.1f", 100 * value.share);
                          }
                          return std::string("-");
                        }});
@@ -57,11 +52,13 @@ std::vector<Column> MakeColumns(const SessionSummary& summary) {
   for (const std::string& stage : StagesOf(summary)) {
     columns.push_back({stage + " s", [stage](Row row, std::size_t) {
                          const auto found = row.stage_wall_s.find(stage);
-                         return found == row.stage_wall_s.end() ? std::string("-")
-                                                                : Format("%.1f", found->second);
+                         return found == row.stage_wall_s.end()
+                                    ? std::string("-")
+                                    : FormatNumber("%.1f", found->second);
                        }});
   }
-  columns.push_back({"total s", [](Row row, std::size_t) { return Format("%.1f", row.wall_s); }});
+  columns.push_back(
+      {"total s", [](Row row, std::size_t) { return FormatNumber("%.1f", row.wall_s); }});
   return columns;
 }
 

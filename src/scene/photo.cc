@@ -3,9 +3,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
+#include <unordered_map>
+#include <utility>
 
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
@@ -141,6 +142,50 @@ cv::Mat ReadPhoto(const std::string& path) {
   }
   if (picture.empty()) throw Error(path + ": cannot be decoded as a photo: " + reason);
   return picture;
+}
+
+void WritePhoto(const cv::Mat& bgr, const std::filesystem::path& path, int jpeg_quality) {
+  std::vector<std::uint8_t> bytes;
+  if (!cv::haveImageWriter(path.string()) ||
+      !cv::imencode(path.extension().string(), bgr, bytes,
+                    {cv::IMWRITE_JPEG_QUALITY, jpeg_quality})) {
+    throw Error("cannot encode " + path.string() + "; is its extension a picture's?");
+  }
+  WriteFileAtomically(path, std::string(bytes.begin(), bytes.end()));
+}
+
+std::vector<std::vector<int>> RankPartners(
+    const PhotoSet& photos,
+    const std::function<double(const Eigen::Vector3d& ray_a, const Eigen::Vector3d& ray_b)>& score,
+    int max_partners) {
+  const std::size_t n = photos.photos.size();
+  std::vector<Eigen::Vector3d> centers;
+  for (const PosedPhoto& photo : photos.photos) {
+    centers.push_back(CameraCenter(photo.cam_from_world));
+  }
+  std::vector<std::unordered_map<int, double>> sum(n);
+  for (const SupportPoint& point : photos.points) {
+    for (std::size_t a = 0; a < point.photo_indices.size(); ++a) {
+      const int i = point.photo_indices[a];
+      const Eigen::Vector3d ray_i = point.position - centers[static_cast<std::size_t>(i)];
+      for (std::size_t b = a + 1; b < point.photo_indices.size(); ++b) {
+        const int j = point.photo_indices[b];
+        const double gain = score(ray_i, point.position - centers[static_cast<std::size_t>(j)]);
+        if (!(gain > 0)) continue;
+        sum[static_cast<std::size_t>(i)][j] += gain;
+        sum[static_cast<std::size_t>(j)][i] += gain;
+      }
+    }
+  }
+  std::vector<std::vector<int>> partners(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    std::vector<std::pair<double, int>> ranked;
+    for (const auto& [j, s] : sum[i]) ranked.emplace_back(-s, j);
+    std::sort(ranked.begin(), ranked.end());
+    const std::size_t count = std::min(ranked.size(), static_cast<std::size_t>(max_partners));
+    for (std::size_t r = 0; r < count; ++r) partners[i].push_back(ranked[r].second);
+  }
+  return partners;
 }
 
 }  // namespace colmap_ext

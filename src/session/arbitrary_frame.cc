@@ -1,9 +1,11 @@
 #include "session/arbitrary_frame.h"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/statistics.h"
 
 namespace colmap_ext {
 
@@ -29,12 +31,10 @@ void NormalizeArbitraryFrame(double distance_m, Reconstruction* model) {
     }
   }
   if (distances.empty()) throw Error("the sparse model has no points");
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
   // Cameras that look straight down have no upward axis in common; any frame will do then.
   if (up.norm() < 1e-6) up = Eigen::Vector3d::UnitZ();
   Sim3d new_from_old;
-  new_from_old.scale = distance_m / *middle;
+  new_from_old.scale = distance_m / MiddleValue(std::move(distances));
   new_from_old.rotation = Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ());
   new_from_old.translation = -new_from_old.scale * (new_from_old.rotation * center);
   TransformReconstruction(new_from_old, model);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "colmap_ext/coverage/coverage.h"
 #include "colmap_ext/coverage/region.h"
@@ -24,6 +25,7 @@
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
 #include "colmap_ext/util/stage_timer.h"
+#include "colmap_ext/util/statistics.h"
 #include "session/arbitrary_frame.h"
 #include "session/pictures.h"
 
@@ -46,9 +48,7 @@ double SiteGroundSamplingDistanceMm(const PhotoSet& photos) {
     if (std::isfinite(smallest_mm) && smallest_mm > 0) sizes_mm.push_back(smallest_mm);
   }
   if (sizes_mm.empty()) throw Error("the sparse model has no points in front of its photos");
-  const auto middle = sizes_mm.begin() + static_cast<std::ptrdiff_t>(sizes_mm.size() / 2);
-  std::nth_element(sizes_mm.begin(), middle, sizes_mm.end());
-  return 1.5 * *middle;
+  return 1.5 * MiddleValue(std::move(sizes_mm));
 }
 
 // Everything that the stages of one iteration hand to each other.

@@ -7,6 +7,7 @@
 #include "bundle_solver.h"
 #include "bundle_state.h"
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/statistics.h"
 #include "gauge.h"
 
 namespace colmap_ext {
@@ -35,11 +36,8 @@ std::vector<double> KeypointErrors(const BundleState& state) {
   return errors;
 }
 
-double MedianOr(double otherwise, std::vector<double> values) {
-  if (values.empty()) return otherwise;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+double MedianOrZero(const std::vector<double>& values) {
+  return values.empty() ? 0 : MiddleValue(values);
 }
 
 LossScales FinalScales(const BundleOptions& options) {
@@ -50,9 +48,9 @@ LossScales FinalScales(const BundleOptions& options) {
 // begin at the medians.
 LossScales ScalesFor(const BundleState& state, const BundleOptions& options) {
   LossScales scales = FinalScales(options);
-  scales.prior = std::max(scales.prior, MedianOr(0, PriorResiduals(state)));
+  scales.prior = std::max(scales.prior, MedianOrZero(PriorResiduals(state)));
   if (scales.keypoint_px > 0) {
-    scales.keypoint_px = std::max(scales.keypoint_px, MedianOr(0, KeypointErrors(state)));
+    scales.keypoint_px = std::max(scales.keypoint_px, MedianOrZero(KeypointErrors(state)));
   }
   return scales;
 }
@@ -61,8 +59,9 @@ LossScales ScalesFor(const BundleState& state, const BundleOptions& options) {
 BundleOptions FilterFor(const BundleState& state, const BundleOptions& options) {
   constexpr double kLeastSigmas = 2;
   BundleOptions filter = options;
-  const double limit_px = std::max(kLeastSigmas * options.keypoint_sigma_px,
-                                   options.filter_max_medians * MedianOr(0, KeypointErrors(state)));
+  const double limit_px =
+      std::max(kLeastSigmas * options.keypoint_sigma_px,
+               options.filter_max_medians * MedianOrZero(KeypointErrors(state)));
   filter.filter_max_error_px = std::min(options.filter_max_error_px, limit_px);
   return filter;
 }

@@ -10,9 +10,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
+#include <utility>
 
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/statistics.h"
+#include "colmap_ext/util/text.h"
 #include "similarity_sampling.h"
 
 namespace colmap_ext {
@@ -82,9 +84,7 @@ double LossScale(const Sim3d& guess, const Observations& cameras,
                  const GeoregistrationOptions& options) {
   std::vector<double> residuals;
   for (const CameraObservation& camera : cameras) residuals.push_back(ResidualOf(guess, camera));
-  const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
-  std::nth_element(residuals.begin(), middle, residuals.end());
-  return std::max(options.loss_scale_m, 2 * *middle);
+  return std::max(options.loss_scale_m, 2 * MiddleValue(std::move(residuals)));
 }
 
 // `sigma_m`: that of positions with weight 1.
@@ -192,11 +192,7 @@ void Refuse(const std::string& reason, GeoregistrationResult* result) {
   result->refusal = reason;
 }
 
-std::string Rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.1f", value);
-  return text;
-}
+std::string Rounded(double value) { return FormatNumber("%.1f", value); }
 
 // Refuses a fit whose scale or tilt the measurements do not determine.
 void CheckCertainty(const Observations& used, const GeoregistrationOptions& options,

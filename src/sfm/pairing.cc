@@ -9,6 +9,7 @@
 
 #include "colmap_ext/geom/transforms.h"
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/statistics.h"
 
 namespace colmap_ext {
 namespace {
@@ -119,12 +120,6 @@ double PartShown(const PhotoPlace& a, double a_distance_m, const PhotoPlace& b) 
 
 bool HasPose(const PhotoPlace& place) { return place.position_m && place.optical_axis; }
 
-double MedianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // The point that the axes pass nearest; empty where they are parallel.
 std::optional<Eigen::Vector3d> CommonTarget(const std::vector<PhotoPlace>& places) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
@@ -158,7 +153,7 @@ double TypicalSpacing(const std::vector<PhotoPlace>& places) {
     }
     if (std::isfinite(nearest)) spacings.push_back(nearest);
   }
-  return spacings.empty() ? 0 : MedianOf(spacings);
+  return spacings.empty() ? 0 : MiddleValue(spacings);
 }
 
 // Partners of photo `i` by expected overlap, best first.
@@ -217,7 +212,7 @@ std::vector<double> GuessSceneDistances(const std::vector<PhotoPlace>& places) {
     if (target) {
       distance = std::max((*target - *place.position_m).dot(*place.optical_axis), spacing_m);
     }
-    distances.push_back(known.empty() ? distance : MedianOf(known));
+    distances.push_back(known.empty() ? distance : MiddleValue(known));
   }
   return distances;
 }

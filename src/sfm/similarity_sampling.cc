@@ -7,8 +7,10 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <utility>
 
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/statistics.h"
 
 namespace colmap_ext {
 namespace {
@@ -138,9 +140,7 @@ void LevelByVertical(const Eigen::Vector3d& up_in_model, CameraObservation* obse
 double CommonSigma(const std::vector<MeasuredCamera>& cameras) {
   std::vector<double> sigmas;
   for (const MeasuredCamera& camera : cameras) sigmas.push_back(camera.sigma_horizontal_m);
-  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
-  std::nth_element(sigmas.begin(), middle, sigmas.end());
-  return *middle;
+  return MiddleValue(std::move(sigmas));
 }
 
 std::vector<CameraObservation> ObservationsOf(const std::vector<MeasuredCamera>& cameras) {

@@ -2,14 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <set>
+#include <utility>
 
 #include "colmap_ext/scene/database.h"
 #include "colmap_ext/sfm/colmap_program.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
+#include "colmap_ext/util/statistics.h"
+#include "colmap_ext/util/text.h"
 #include "feature_stage.h"
 #include "mapping_stage.h"
 #include "match_stage.h"
@@ -23,12 +25,6 @@ namespace colmap_ext {
 namespace {
 
 constexpr std::size_t kMinRegistered = 3;
-
-std::string Rounded(double value, int digits) {
-  char text[64];
-  std::snprintf(text, sizeof(text), "%.*f", digits, value);
-  return text;
-}
 
 // "a, b, c and 7 more"
 std::string NameList(const std::vector<std::string>& names) {
@@ -96,9 +92,7 @@ double PositionSigma(const std::map<ImageId, PhotoPrior>& priors, const Reconstr
     residuals.push_back((center - *prior.position_in_world).norm());
   }
   if (residuals.empty()) return kMinSigmaM;
-  const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
-  std::nth_element(residuals.begin(), middle, residuals.end());
-  return std::max(*middle / kMedianOfThreeAxes, kMinSigmaM);
+  return std::max(MiddleValue(std::move(residuals)) / kMedianOfThreeAxes, kMinSigmaM);
 }
 
 // Receivers are right about which of their positions are better, less so about how good they are:
@@ -107,11 +101,10 @@ void ScaleSigmas(double sigma_m, std::map<ImageId, PhotoPrior>* priors) {
   if (priors->empty()) return;
   std::vector<double> told;
   for (const auto& [id, prior] : *priors) told.push_back(prior.sigma_horizontal_m);
-  const auto middle = told.begin() + static_cast<std::ptrdiff_t>(told.size() / 2);
-  std::nth_element(told.begin(), middle, told.end());
+  const double factor = sigma_m / MiddleValue(std::move(told));
   for (auto& [id, prior] : *priors) {
-    prior.sigma_horizontal_m *= sigma_m / *middle;
-    prior.sigma_vertical_m *= sigma_m / *middle;
+    prior.sigma_horizontal_m *= factor;
+    prior.sigma_vertical_m *= factor;
   }
 }
 
@@ -358,13 +351,13 @@ class Updater {
       TransformReconstruction(*fit.world_from_model, &result_.model);
       result_.frame = {true, catalog_.origin};
       job_.Info("model in metres: " + std::to_string(fit.num_used) + " positions agree within " +
-                Rounded(fit.rms_m, 2) + " m RMS");
+                FormatNumber("%.2f", fit.rms_m) + " m RMS");
     } else {
       job_.Warn("the model stays without scale and north: " + fit.refusal);
     }
     for (const PhotoResidual& outlier : fit.outliers) {
       job_.Warn("the position of " + outlier.name + " disagrees with the model by " +
-                Rounded(outlier.residual_m, 1) + " m and is not used");
+                FormatNumber("%.1f", outlier.residual_m) + " m and is not used");
     }
     result_.georegistration = fit;
     result_.cost_of_step["georegistration"] = timer.Stop();

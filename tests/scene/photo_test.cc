@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 
+#include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
 #include "scene/test_folder.h"
 
@@ -253,6 +254,65 @@ TEST(LoadPhotoSet, AMissingCameraOrImageIsNamed) {
   ExpectError([&] { LoadPhotoSet(model, "", false); }, {"point 3", "image 77"});
   model.cameras.clear();
   ExpectError([&] { LoadPhotoSet(model, "", false); }, {"a.png", "camera 5"});
+}
+
+TEST(WritePhoto, ComesBackAndObeysTheQuality) {
+  const TestFolder folder;
+  const cv::Mat picture = Gradient(kWidth, kHeight);
+  WritePhoto(picture, folder / "a.png");
+  EXPECT_EQ(cv::norm(ReadPhoto((folder / "a.png").string()), picture, cv::NORM_INF), 0);
+  WritePhoto(picture, folder / "good.jpg", 98);
+  WritePhoto(picture, folder / "poor.jpg", 10);
+  EXPECT_LT(cv::norm(ReadPhoto((folder / "good.jpg").string()), picture, cv::NORM_L1),
+            cv::norm(ReadPhoto((folder / "poor.jpg").string()), picture, cv::NORM_L1));
+}
+
+TEST(WritePhoto, AnUnknownExtensionIsAnErrorThatNamesTheFile) {
+  const TestFolder folder;
+  try {
+    WritePhoto(Gradient(8, 8), folder / "a.nonsense");
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("a.nonsense"), std::string::npos) << error.what();
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.nonsense"));
+}
+
+// Photo k stands at x = k and looks along z; the points say who shares what.
+PhotoSet PhotosInARow(int count, const std::vector<std::vector<int>>& seen_by) {
+  PhotoSet photos;
+  for (int k = 0; k < count; ++k) {
+    PosedPhoto photo;
+    photo.cam_from_world.translation = Eigen::Vector3d(-k, 0, 0);
+    photos.photos.push_back(photo);
+  }
+  for (const std::vector<int>& seen : seen_by) {
+    SupportPoint point;
+    point.position = {0, 0, 10};
+    point.photo_indices = seen;
+    photos.points.push_back(point);
+  }
+  return photos;
+}
+
+TEST(RankPartners, MostSharedFirstTiesByIndexAndNoMoreThanAsked) {
+  const PhotoSet photos = PhotosInARow(4, {{0, 1}, {0, 2}, {0, 2}, {0, 3}});
+  const auto one = [](const Eigen::Vector3d&, const Eigen::Vector3d&) { return 1.0; };
+  const auto partners = RankPartners(photos, one, 2);
+  ASSERT_EQ(partners.size(), 4u);
+  EXPECT_EQ(partners[0], (std::vector<int>{2, 1}));
+  EXPECT_EQ(partners[3], (std::vector<int>{0}));
+}
+
+TEST(RankPartners, TheScoreGetsBothRaysAndNothingPositiveIsNoPartner) {
+  const PhotoSet photos = PhotosInARow(3, {{0, 1, 2}});
+  const auto baseline = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    EXPECT_DOUBLE_EQ(a.z(), 10);
+    return (a - b).norm() > 1.5 ? 1.0 : 0.0;
+  };
+  const auto partners = RankPartners(photos, baseline, 5);
+  EXPECT_EQ(partners[0], (std::vector<int>{2}));
+  EXPECT_TRUE(partners[1].empty());
 }
 
 }  // namespace

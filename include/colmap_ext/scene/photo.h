@@ -1,6 +1,8 @@
 // A photo ready for the dense stages: undistorted, with its pose.
 #pragma once
 
+#include <filesystem>
+#include <functional>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
@@ -41,5 +43,17 @@ PhotoSet LoadPhotoSet(const Reconstruction& reconstruction, const std::string& i
 // Reads a picture as BGR without applying its EXIF orientation (as COLMAP does). Throws Error
 // naming the file when it is missing, truncated or no picture.
 cv::Mat ReadPhoto(const std::string& path);
+
+// Writes a picture in the format of its extension, atomically. `jpeg_quality` (0 … 100) is of JPEG
+// alone. Throws Error naming the file when its extension is no picture's.
+void WritePhoto(const cv::Mat& bgr, const std::filesystem::path& path, int jpeg_quality = 95);
+
+// For each photo the others that show the same points, best first, at most `max_partners`.
+// `score(ray_a, ray_b)`: what one shared point is worth, from the vectors (world) from the centres
+// of both photos to it; not positive: nothing. Partners are ranked by the sum.
+std::vector<std::vector<int>> RankPartners(
+    const PhotoSet& photos,
+    const std::function<double(const Eigen::Vector3d& ray_a, const Eigen::Vector3d& ray_b)>& score,
+    int max_partners);
 
 }  // namespace colmap_ext

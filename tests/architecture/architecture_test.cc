@@ -18,6 +18,7 @@ const fs::path kRoot = COLMAP_EXT_SOURCE_DIR;
 // Direct arrows; what an arrow's end may include comes with it.
 const std::map<std::string, std::set<std::string>> kArrows = {
     {"util", {}},
+    {"mavlink", {"util"}},
     {"geom", {"util"}},
     {"scene", {"geom"}},
     {"sfm", {"scene"}},
@@ -27,8 +28,8 @@ const std::map<std::string, std::set<std::string>> kArrows = {
     {"nbv", {"coverage"}},
     {"path", {"scene"}},
     {"mission", {"scene"}},
-    {"flight", {"mission"}},
-    {"sim", {"mission"}},
+    {"flight", {"mission", "mavlink"}},
+    {"sim", {"mission", "mavlink"}},
     {"dense", {"scene"}},
     {"eval", {"scene"}},
     {"report", {"scene"}},

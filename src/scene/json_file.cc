@@ -89,6 +89,8 @@ std::vector<JsonNode> JsonNode::Items() const {
   return items;
 }
 
+bool JsonNode::IsNull() const { return json_->is_null(); }
+
 double JsonNode::Number() const {
   if (!json_->is_number()) Fail("expected a number, found " + std::string(json_->type_name()));
   const double value = json_->get<double>();

@@ -32,6 +32,7 @@ class JsonNode {
   std::optional<JsonNode> Find(const std::string& key) const;  // of an object; nullopt: no such key
   std::vector<JsonNode> Items() const;                         // of an array
 
+  bool IsNull() const;
   double Number() const;
   int Integer() const;
   bool Boolean() const;

@@ -6,9 +6,9 @@ set -euo pipefail
 packages=(
   build-essential cmake ninja-build
   colmap
-  libassimp-dev libboost-program-options-dev libceres-dev libcgal-dev libeigen3-dev libembree-dev
-  libexiv2-dev libflann-dev libgeographiclib-dev libopen3d-dev libopencv-dev libsqlite3-dev libtbb-dev
-  nlohmann-json3-dev
+  libassimp-dev libboost-dev libboost-program-options-dev libceres-dev libcgal-dev libeigen3-dev
+  libembree-dev libexiv2-dev libflann-dev libgeographiclib-dev libopen3d-dev libopencv-dev
+  libsqlite3-dev libssl-dev libtbb-dev nlohmann-json3-dev
 )
 if [[ "${1:-}" == "--tests" ]]; then
   packages+=(libgtest-dev libgmock-dev clang-format clang-tidy python3 sqlite3)

@@ -82,10 +82,7 @@ void CompletePaths(DenseReconstructorOptions* o) {
 ColmapTool ColmapToolOf(const std::shared_ptr<ColmapProgram>& program) {
   ColmapTool tool;
   if (!program) return tool;
-  ChildProcessOptions help;
-  help.arguments = {program->path().string(), "help"};
-  help.environment = {{"QT_QPA_PLATFORM", "offscreen"}};
-  tool.help = RunChildProcess(help, JobControl()).output;
+  tool.help = program->dialect().help();
   tool.run = [program](const std::string& command, const ColmapTool::Arguments& arguments,
                        const fs::path& log_path,
                        const JobControl& job) { program->Run(command, arguments, log_path, job); };

@@ -1,5 +1,6 @@
 #include <cctype>
 #include <iostream>
+#include <optional>
 
 #include "colmap_ext/eval/count_views.h"
 #include "colmap_ext/eval/error_colors.h"
@@ -104,12 +105,18 @@ TriangleMesh ReadModel(const fs::path& path, const std::string& what) {
   return ReadMesh(path);
 }
 
-std::vector<CameraPair> ReadCameraPairs(const Paths& paths) {
+// The sparse model of --input_path, when there is one.
+std::optional<Reconstruction> ReadSparseModel(const Paths& paths) {
+  if (paths.input.empty()) return std::nullopt;
+  return ReadReconstruction(paths.input);
+}
+
+std::vector<CameraPair> ReadCameraPairs(const Paths& paths,
+                                        const std::optional<Reconstruction>& sparse) {
   if (paths.camera.empty()) return {};
   RequireOption(paths.input, "input_path");
   RequireFile(paths.camera, "file of true poses");
-  const auto pairs =
-      PairCameras(ReadReconstruction(paths.input), PoseOfPhoto(ReadTruePoses(paths.camera)));
+  const auto pairs = PairCameras(*sparse, PoseOfPhoto(ReadTruePoses(paths.camera)));
   if (pairs.empty()) {
     throw Error(paths.camera.string() + ": no photo has the name of one in " +
                 paths.input.string());
@@ -153,15 +160,15 @@ void PrintPart(const char* title, const ErrorSummary& part, const EvaluationResu
 }
 
 // Splits the result by what the photos can see, where that can be told.
-void CountSeen(const Paths& paths, const TriangleMesh& truth, const ModelAlignment& alignment,
-               const EvaluationOptions& options, const JobControl& job, EvaluationResult* result) {
-  if (paths.input.empty()) return;
+void CountSeen(const std::optional<Reconstruction>& sparse, const TriangleMesh& truth,
+               const ModelAlignment& alignment, const EvaluationOptions& options,
+               const JobControl& job, EvaluationResult* result) {
+  if (!sparse) return;
   if (truth.faces.empty()) {
     job.Info("the truth is a cloud: what the photos cannot see is not told apart");
     return;
   }
-  const Reconstruction model = ReadReconstruction(paths.input);
-  SplitBySeen(CountViews(result->truth_samples, truth, model, alignment.truth_from_model, job),
+  SplitBySeen(CountViews(result->truth_samples, truth, *sparse, alignment.truth_from_model, job),
               options, result);
 }
 
@@ -190,7 +197,9 @@ void WritePictures(const TriangleMesh& aligned, const TriangleMesh& truth,
 void EvaluateMesh(const Paths& paths, const EvaluationOptions& options, const JobControl& job) {
   const TriangleMesh model = ReadModel(paths.mesh, "mesh");
   const TriangleMesh truth = ReadModel(paths.ground_truth, "ground truth");
-  const ModelAlignment alignment = AlignModel(model, truth, ReadCameraPairs(paths), options, job);
+  const std::optional<Reconstruction> sparse = ReadSparseModel(paths);
+  const ModelAlignment alignment =
+      AlignModel(model, truth, ReadCameraPairs(paths, sparse), options, job);
   if (alignment.cameras) {
     for (const std::string& name : alignment.cameras->rejected) {
       job.Warn(name + ": its pose contradicts the other photos; it was left out of the alignment");
@@ -198,7 +207,7 @@ void EvaluateMesh(const Paths& paths, const EvaluationOptions& options, const Jo
   }
   const TriangleMesh aligned = TransformMesh(alignment.truth_from_model, model);
   EvaluationResult result = EvaluateModel(aligned, truth, options, job);
-  CountSeen(paths, truth, alignment, options, job, &result);
+  CountSeen(sparse, truth, alignment, options, job, &result);
   WriteFileAtomically(paths.output, EvaluationToJson(result, alignment, options));
   WritePictures(aligned, truth, result, options, paths);
   PrintResult(result, alignment);

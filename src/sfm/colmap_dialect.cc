@@ -118,9 +118,9 @@ std::set<std::string> ParseOptions(const std::string& help) {
 }  // namespace
 
 ColmapDialect::ColmapDialect(HelpSource help_source) : help_source_(std::move(help_source)) {
-  const std::string help = help_source_("help");
-  version_ = ParseVersion(help);
-  commands_ = ParseCommands(help);
+  help_ = help_source_("help");
+  version_ = ParseVersion(help_);
+  commands_ = ParseCommands(help_);
   if (version_.empty() || commands_.empty()) {
     throw Error(
         "the program given as `colmap` does not answer `colmap help` as COLMAP does; "

@@ -23,6 +23,7 @@ class ColmapDialect {
   // Throws Error when the text of `colmap help` is not COLMAP's.
   explicit ColmapDialect(HelpSource help_source);
 
+  const std::string& help() const { return help_; }        // text of `colmap help`
   const std::string& version() const { return version_; }  // "3.8", "4.2.1"
   bool HasCommand(const std::string& command) const;
   // `option` in 3.8's spelling.
@@ -38,6 +39,7 @@ class ColmapDialect {
   std::string SpellingOf(const std::string& command, const std::string& option);
 
   HelpSource help_source_;
+  std::string help_;
   std::string version_;
   std::set<std::string> commands_;
   std::map<std::string, std::set<std::string>> options_of_command_;

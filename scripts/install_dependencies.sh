@@ -12,6 +12,9 @@ packages=(
 )
 if [[ "${1:-}" == "--tests" ]]; then
   packages+=(libgtest-dev libgmock-dev clang-format clang-tidy python3 sqlite3)
+  # Node and npm may come from elsewhere than Debian, in one package.
+  command -v node >/dev/null || packages+=(nodejs)
+  command -v npm >/dev/null || packages+=(npm)
 fi
 
 missing=()
@@ -20,15 +23,20 @@ for package in "${packages[@]}"; do
 done
 if ((${#missing[@]} == 0)); then
   echo "Packages: all ${#packages[@]} are installed"
-  exit 0
+else
+  as_root=()
+  if ((EUID != 0)); then
+    command -v sudo >/dev/null || { echo "error: installing packages needs root or sudo" >&2; exit 1; }
+    as_root=(sudo)
+  fi
+  echo "Packages: installing ${missing[*]}"
+  "${as_root[@]}" apt-get update -q
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+    apt-get install -q -y --no-install-recommends "${missing[@]}"
 fi
 
-as_root=()
-if ((EUID != 0)); then
-  command -v sudo >/dev/null || { echo "error: installing packages needs root or sudo" >&2; exit 1; }
-  as_root=(sudo)
+# The independent MAVLink implementation that the tests talk to, as its lock file says.
+peer="$(dirname "$0")/../tests/mavlink/peer"
+if [[ "${1:-}" == "--tests" && "$peer/package-lock.json" -nt "$peer/node_modules/.package-lock.json" ]]; then
+  npm ci --prefix "$peer" --ignore-scripts --no-audit --no-fund
 fi
-echo "Packages: installing ${missing[*]}"
-"${as_root[@]}" apt-get update -q
-"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
-  apt-get install -q -y --no-install-recommends "${missing[@]}"

@@ -57,11 +57,17 @@ SimulatedCamera::SimulatedCamera(const Renderer& renderer, const GeoPosition& or
 CapturedPhoto SimulatedCamera::CapturePhoto(const PlannedView& view,
                                             const std::filesystem::path& jpeg_path,
                                             PhotoResolution resolution) const {
+  const Eigen::Vector3d error = GpsNoise(ViewBits(options_.seed, view.id, 1), options_.gps_noise_m);
+  return CapturePhoto(view, GeoFromEnu(origin_, view.position + error), jpeg_path, resolution);
+}
+
+CapturedPhoto SimulatedCamera::CapturePhoto(const PlannedView& view, const GeoPosition& gps,
+                                            const std::filesystem::path& jpeg_path,
+                                            PhotoResolution resolution) const {
   CapturedPhoto photo;
   photo.camera = resolution == PhotoResolution::kLow ? options_.LowCamera() : options_.FullCamera();
   photo.cam_from_world = CamFromWorld(view.position, view.direction);
-  const Eigen::Vector3d error = GpsNoise(ViewBits(options_.seed, view.id, 1), options_.gps_noise_m);
-  photo.gps = GeoFromEnu(origin_, view.position + error);
+  photo.gps = gps;
 
   const cv::Mat bgr =
       renderer_.Render(photo.camera, photo.cam_from_world, ViewBits(options_.seed, view.id, 2));

@@ -56,6 +56,10 @@ class SimulatedCamera {
   // the file cannot be written.
   CapturedPhoto CapturePhoto(const PlannedView& view, const std::filesystem::path& jpeg_path,
                              PhotoResolution resolution = PhotoResolution::kLow) const;
+  // The same with a GPS position that somebody else measured.
+  CapturedPhoto CapturePhoto(const PlannedView& view, const GeoPosition& gps,
+                             const std::filesystem::path& jpeg_path,
+                             PhotoResolution resolution) const;
 
   const SimulatedCameraOptions& options() const { return options_; }
 

@@ -1,7 +1,7 @@
-#include <cmath>
 #include <cstdio>
 
 #include "colmap_ext/path/path_planner.h"
+#include "colmap_ext/scene/mesh_io.h"
 #include "colmap_ext/scene/view_plan_io.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
@@ -24,16 +24,50 @@ void CheckPaths(const Paths& paths) {
                                             {"output_path", paths.output}});
 }
 
-// "x,y,z"
-Eigen::Vector3d ParsePosition(const std::string& text) {
-  Eigen::Vector3d position;
-  char rest = 0;
-  const int count = std::sscanf(text.c_str(), "%lf,%lf,%lf%c", &position.x(), &position.y(),
-                                &position.z(), &rest);
-  if (count != 3 || !position.allFinite()) {
-    throw UsageError("--start " + text + ": must be x,y,z in metres");
+Eigen::Vector3d ParseStart(const std::string& text) {
+  try {
+    return ParsePlace(text);
+  } catch (const UsageError& error) {
+    throw UsageError(std::string("--start ") + error.what());
   }
-  return position;
+}
+
+// With its signal, where the file has it; else all of it is confident.
+Surface SurfaceOf(const PlanningInputs& inputs, const std::filesystem::path& mesh_path,
+                  const PathOptions& options, const JobControl& job) {
+  if (options.confident_spacing_m > 0) {
+    try {
+      return ReadSurface(mesh_path);
+    } catch (const Error&) {
+      job.Warn("path_planner: " + mesh_path.string() +
+               " has no sample_spacing_m: all of it counts as seen with confidence");
+    }
+  }
+  return {inputs.surface, {}, {}};
+}
+
+void Report(const FlightPath& path, const std::filesystem::path& output, const JobControl& job) {
+  if (path.waypoints.size() == 1) {
+    job.Info("path_planner: nothing to fly: " +
+             (path.dropped_view_ids.empty()
+                  ? std::string("there are no views")
+                  : "all " + std::to_string(path.dropped_view_ids.size()) +
+                        " views were dropped, reasons above"));
+  }
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "path_planner: %.1f m, %.0f s, clearance at least %.2f m, %zu views dropped: ",
+                path.length_m, path.duration_s, path.min_clearance_m, path.dropped_view_ids.size());
+  job.Info(text + output.string());
+  for (std::size_t i = 0; i < path.flights.size(); ++i) {
+    const BatteryFlight& flight = path.flights[i];
+    std::snprintf(text, sizeof text,
+                  "  flight %zu: waypoints %zu to %zu, %.1f m, %.0f s, %.0f s home, %.0f %% of a "
+                  "battery",
+                  i + 1, flight.first_waypoint, flight.last_waypoint, flight.length_m,
+                  flight.duration_s, flight.return_s, 100 * flight.battery_share);
+    job.Info(text);
+  }
 }
 
 }  // namespace
@@ -69,17 +103,14 @@ int RunPathPlanner(const Arguments& arguments, const CancelFlag& cancel) {
   }
   const std::vector<PlannedView> views = ReadViews(paths.views);
   const PlanningInputs inputs = ReadPlanningInputs(paths.input, paths.mesh, 0);
+  ReadZones(inputs.frame, &options);
   const Eigen::Vector3d start = start_text.empty()
                                     ? CameraCenter(inputs.photos.photos.back().cam_from_world)
-                                    : ParsePosition(start_text);
-  const FlightPath path =
-      PlanPath(start, views, inputs.surface, inputs.photos.photos, options, job);
+                                    : ParseStart(start_text);
+  const FlightPath path = PlanPath(start, views, SurfaceOf(inputs, paths.mesh, options, job),
+                                   inputs.photos.photos, options, job);
   WritePath(path, inputs.frame, paths.output);
-  char text[160];
-  std::snprintf(text, sizeof text,
-                "path_planner: %.1f m, %.0f s, clearance at least %.2f m, %zu views dropped: ",
-                path.length_m, path.duration_s, path.min_clearance_m, path.dropped_view_ids.size());
-  job.Info(text + paths.output.string());
+  Report(path, paths.output, job);
   return 0;
 }
 

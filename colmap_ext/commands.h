@@ -17,6 +17,7 @@ int RunSurfaceReconstructor(const Arguments& arguments, const CancelFlag& cancel
 int RunCoverageEvaluator(const Arguments& arguments, const CancelFlag& cancel);
 int RunViewPlanner(const Arguments& arguments, const CancelFlag& cancel);
 int RunPathPlanner(const Arguments& arguments, const CancelFlag& cancel);
+int RunFlightPlanner(const Arguments& arguments, const CancelFlag& cancel);
 int RunMissionExporter(const Arguments& arguments, const CancelFlag& cancel);
 int RunActiveCapture(const Arguments& arguments, const CancelFlag& cancel);
 int RunSceneRenderer(const Arguments& arguments, const CancelFlag& cancel);

@@ -41,6 +41,8 @@ constexpr std::array kCommands = {
             RunCoverageEvaluator},
     Command{"view_planner", "coverage map to the next views", RunViewPlanner},
     Command{"path_planner", "next views to a flight that is proved to be safe", RunPathPlanner},
+    Command{"flight_planner", "a classic flight pattern around a box, polygon or model",
+            RunFlightPlanner},
     Command{"mission_exporter", "flight to a file that a drone's programs read",
             RunMissionExporter},
     Command{"scene_renderer", "pictures and exact depth of a textured scene", RunSceneRenderer},

@@ -6,16 +6,18 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
+#include <optional>
+#include <sstream>
 
 #include "colmap_ext/util/error.h"
+#include "path/depth_raster.h"
 
 namespace colmap_ext {
 namespace {
-
-constexpr int kDepthWidth = 96;
-constexpr int kDepthHeight = 54;
 
 // Corners of a polyhedron inside the unit ball: towards the faces, edges and corners of a cube.
 std::vector<Eigen::Vector3d> CornersInUnitBall() {
@@ -27,31 +29,12 @@ std::vector<Eigen::Vector3d> CornersInUnitBall() {
   return corners;
 }
 
-}  // namespace
+struct HalfSpace {
+  Eigen::Vector3d outwards;  // unit
+  double offset_m = 0;       // inside: outwards . point <= offset_m
+};
 
-std::string FreeSpaceOptions::Check() const {
-  if (!(above_top_m >= 0)) return "above_top_m must be >= 0 (metres)";
-  if (!(flown_margin_m >= 0)) return "flown_margin_m must be >= 0 (metres)";
-  return "";
-}
-
-FreeSpace::FreeSpace(const TriangleMesh& surface, const std::vector<PosedPhoto>& photos,
-                     const std::vector<Eigen::Vector3d>& flown, const FreeSpaceOptions& options)
-    : ray_scene_(surface) {
-  ThrowIfInvalid(options.Check());
-  // With no surface nothing is known about heights.
-  known_above_m_ = surface.vertices.empty() ? std::numeric_limits<double>::infinity()
-                                            : BoundsOf(surface).max().z() + options.above_top_m;
-  std::vector<Eigen::Vector3d> positions = flown;
-  for (const PosedPhoto& photo : photos) positions.push_back(CameraCenter(photo.cam_from_world));
-  hull_ = HullAround(positions, options.flown_margin_m);
-  depth_views_.resize(photos.size());
-  tbb::parallel_for(std::size_t{0}, photos.size(),
-                    [&](std::size_t i) { depth_views_[i] = Look(ray_scene_, photos[i]); });
-}
-
-std::vector<FreeSpace::HalfSpace> FreeSpace::HullAround(
-    const std::vector<Eigen::Vector3d>& positions, double margin_m) {
+std::vector<HalfSpace> HullAround(const std::vector<Eigen::Vector3d>& positions, double margin_m) {
   // With corners around each position the hull has a volume even where all positions are in a
   // plane. Without a margin there is none to speak of.
   if (positions.empty() || margin_m <= 0) return {};
@@ -79,64 +62,149 @@ std::vector<FreeSpace::HalfSpace> FreeSpace::HullAround(
   return half_spaces;
 }
 
-FreeSpace::DepthView FreeSpace::Look(const RayScene& scene, const PosedPhoto& photo) {
-  DepthView view;
-  view.cam_from_world = photo.cam_from_world;
-  view.camera = ScaleTo(photo.camera, kDepthWidth, kDepthHeight);
-  view.distance_m.resize(std::size_t{kDepthWidth} * kDepthHeight);
-  const Eigen::Vector3d center = CameraCenter(photo.cam_from_world);
-  const Eigen::Quaterniond world_from_cam = photo.cam_from_world.rotation.conjugate();
-  for (int row = 0; row < kDepthHeight; ++row) {
-    for (int col = 0; col < kDepthWidth; ++col) {
-      const Eigen::Vector3d ray = view.camera.Ray({col + 0.5, row + 0.5});
-      const auto hit = scene.Intersect(center, world_from_cam * ray.normalized(), 0,
-                                       std::numeric_limits<double>::infinity());
-      view.distance_m[static_cast<std::size_t>(row * kDepthWidth + col)] =
-          hit ? static_cast<float>(hit->distance_m) : 0.0f;
+// One a face: all its corners have support that is dense enough. Empty: all faces are confident.
+std::vector<bool> ConfidentFaces(const Surface& surface, double spacing_m) {
+  if (spacing_m <= 0 || surface.sample_spacing_m.empty()) return {};
+  std::vector<bool> confident;
+  confident.reserve(surface.mesh.faces.size());
+  for (const Eigen::Vector3i& face : surface.mesh.faces) {
+    double widest = 0;
+    for (const int vertex : face) {
+      widest = std::max(widest, surface.sample_spacing_m[static_cast<std::size_t>(vertex)]);
     }
+    confident.push_back(widest <= spacing_m);
   }
-  return view;
+  return confident;
 }
 
-bool FreeSpace::HasSeenPast(const DepthView& view, const Eigen::Vector3d& center, double radius_m) {
-  const Eigen::Vector3d center_in_cam = view.cam_from_world * center;
-  // The ball must lie wholly in front of the camera for its outline to be a small ellipse.
-  const double nearest_depth = center_in_cam.z() - radius_m;
-  if (nearest_depth <= radius_m) return false;
-  const Eigen::Vector2d pixel = view.camera.Project(center_in_cam);
-  // No less than the half axes of the outline: the slope of a ray to the ball's rim changes by at
-  // most radius (1 + slope) / nearest depth.
-  const double slope_x = std::abs(center_in_cam.x() / center_in_cam.z());
-  const double slope_y = std::abs(center_in_cam.y() / center_in_cam.z());
-  const Eigen::Vector2d half(view.camera.fx * radius_m * (1 + slope_x) / nearest_depth,
-                             view.camera.fy * radius_m * (1 + slope_y) / nearest_depth);
-  const Eigen::Vector2i low = (pixel - half).array().floor().cast<int>();
-  const Eigen::Vector2i high = (pixel + half).array().floor().cast<int>();
-  if (low.x() < 0 || low.y() < 0 || high.x() >= kDepthWidth || high.y() >= kDepthHeight) {
-    return false;
+FlightZone ParseFreeBox(const std::string& text) {
+  std::array<double, 6> v{};
+  char rest = 0;
+  const int count = std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf%c", &v[0], &v[1], &v[2],
+                                &v[3], &v[4], &v[5], &rest);
+  BoundingBox box;
+  box.extend(Eigen::Vector3d(v[0], v[1], v[2])).extend(Eigen::Vector3d(v[3], v[4], v[5]));
+  if (count != 6 || !box.min().allFinite() || !box.max().allFinite()) {
+    throw UsageError(
+        "Path.free_volume: \"" + text +
+        "\" must be flown, above_top, none, a box x,y,z,x,y,z in metres, or a GeoJSON file");
   }
-  const double beyond = center_in_cam.norm() + radius_m;
-  for (int row = low.y(); row <= high.y(); ++row) {
-    for (int col = low.x(); col <= high.x(); ++col) {
-      const float distance = view.distance_m[static_cast<std::size_t>(row * kDepthWidth + col)];
-      if (static_cast<double>(distance) < beyond) return false;
-    }
-  }
-  return true;
+  const Eigen::Vector3d& low = box.min();
+  const Eigen::Vector3d& high = box.max();
+  FlightZone zone;
+  zone.rings = {
+      {{low.x(), low.y()}, {high.x(), low.y()}, {high.x(), high.y()}, {low.x(), high.y()}}};
+  zone.min_z_m = low.z();
+  zone.max_z_m = high.z();
+  return zone;
 }
 
-bool FreeSpace::IsInHull(const Eigen::Vector3d& center, double radius_m) const {
-  if (hull_.empty()) return false;
-  return std::all_of(hull_.begin(), hull_.end(), [&](const HalfSpace& half_space) {
-    return half_space.outwards.dot(center) + radius_m <= half_space.offset_m;
+}  // namespace
+
+std::string FreeSpaceOptions::Check() const {
+  if (!std::isfinite(above_top_m)) return "above_top_m must be finite (metres)";
+  if (!(flown_margin_m >= 0)) return "flown_margin_m must be >= 0 (metres)";
+  if (!(confident_spacing_m >= 0)) return "confident_spacing_m must be >= 0 (metres)";
+  return "";
+}
+
+std::vector<std::filesystem::path> SetFreeVolume(const std::string& text,
+                                                 FreeSpaceOptions* options) {
+  bool flown = false, above_top = false;
+  std::vector<std::filesystem::path> files;
+  std::istringstream pieces(text);
+  for (std::string piece; std::getline(pieces, piece, ';');) {
+    if (piece == "flown") {
+      flown = true;
+    } else if (piece == "above_top") {
+      above_top = true;
+    } else if (piece.ends_with("json")) {
+      files.emplace_back(piece);
+    } else if (piece != "none" && !piece.empty()) {
+      options->zones.push_back(ParseFreeBox(piece));
+    }
+  }
+  if (!flown) options->flown_margin_m = 0;
+  if (!above_top) options->above_top_m = -1;
+  return files;
+}
+
+struct FreeSpace::Impl {
+  explicit Impl(const TriangleMesh& mesh) : ray_scene(mesh) {
+    for (std::size_t face = 0; face < mesh.faces.size(); ++face) {
+      normals.push_back(FaceNormal(mesh, face));
+    }
+  }
+
+  RayScene ray_scene;
+  std::vector<Eigen::Vector3d> normals;  // unit, one a face
+  double surface_top_m = -std::numeric_limits<double>::infinity();
+  double known_above_m = std::numeric_limits<double>::infinity();  // z of the world
+  std::vector<HalfSpace> hull;  // of what was flown, margin included; empty: nothing was
+  std::vector<FlightZone> zones;
+  std::vector<DepthRaster> views;
+
+  bool IsInHull(const Eigen::Vector3d& center, double radius_m) const {
+    return !hull.empty() && std::all_of(hull.begin(), hull.end(), [&](const HalfSpace& half) {
+      return half.outwards.dot(center) + radius_m <= half.offset_m;
+    });
+  }
+};
+
+FreeSpace::FreeSpace(const Surface& surface, const std::vector<PosedPhoto>& photos,
+                     const std::vector<Eigen::Vector3d>& flown, const FreeSpaceOptions& options) {
+  ThrowIfInvalid(options.Check());
+  if (!surface.sample_spacing_m.empty() &&
+      surface.sample_spacing_m.size() != surface.mesh.vertices.size()) {
+    throw Error("path: the surface has not one sample spacing a vertex");
+  }
+  impl_ = std::make_unique<Impl>(surface.mesh);
+  // With no surface nothing is known about heights.
+  if (!surface.mesh.vertices.empty()) {
+    impl_->surface_top_m = BoundsOf(surface.mesh).max().z();
+    if (options.above_top_m >= 0) {
+      impl_->known_above_m = impl_->surface_top_m + options.above_top_m;
+    }
+  }
+  std::vector<Eigen::Vector3d> positions = flown;
+  for (const PosedPhoto& photo : photos) positions.push_back(CameraCenter(photo.cam_from_world));
+  impl_->hull = HullAround(positions, options.flown_margin_m);
+  impl_->zones = options.zones;
+  const std::vector<bool> confident = ConfidentFaces(surface, options.confident_spacing_m);
+  std::vector<std::optional<DepthRaster>> views(photos.size());
+  tbb::parallel_for(std::size_t{0}, photos.size(), [&](std::size_t i) {
+    views[i].emplace(surface.mesh, confident, photos[i].cam_from_world, photos[i].camera);
   });
+  for (auto& view : views) impl_->views.push_back(std::move(*view));
 }
+
+FreeSpace::~FreeSpace() = default;
+FreeSpace::FreeSpace(FreeSpace&&) noexcept = default;
+FreeSpace& FreeSpace::operator=(FreeSpace&&) noexcept = default;
+
+bool FreeSpace::IsInsideSurface(const Eigen::Vector3d& point) const {
+  int front = 0, back = 0;
+  for (const Eigen::Vector3d& direction : CornersInUnitBall()) {
+    const auto hit =
+        impl_->ray_scene.Intersect(point, direction, 0, std::numeric_limits<double>::infinity());
+    if (!hit) continue;
+    const Eigen::Vector3d& normal = impl_->normals[static_cast<std::size_t>(hit->face)];
+    (normal.dot(direction) > 0 ? back : front) += 1;
+  }
+  return back > front;
+}
+
+const RayScene& FreeSpace::ray_scene() const { return impl_->ray_scene; }
+double FreeSpace::SurfaceTop() const { return impl_->surface_top_m; }
 
 bool FreeSpace::IsKnownFree(const Eigen::Vector3d& center, double radius_m) const {
-  if (center.z() - radius_m >= known_above_m_) return true;
-  if (IsInHull(center, radius_m)) return true;
-  return std::any_of(depth_views_.begin(), depth_views_.end(),
-                     [&](const DepthView& view) { return HasSeenPast(view, center, radius_m); });
+  if (center.z() - radius_m >= impl_->known_above_m) return true;
+  for (const FlightZone& zone : impl_->zones) {
+    if (zone.Depth(center) >= radius_m) return true;
+  }
+  if (impl_->IsInHull(center, radius_m)) return true;
+  return std::any_of(impl_->views.begin(), impl_->views.end(),
+                     [&](const DepthRaster& view) { return view.HasSeenPast(center, radius_m); });
 }
 
 }  // namespace colmap_ext

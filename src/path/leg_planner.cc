@@ -23,15 +23,15 @@ void RequireNotTooManyCells(const Eigen::AlignedBox3d& box, double cell_size_m) 
 
 }  // namespace
 
-LegPlanner::LegPlanner(const FreeSpace& free_space, const Eigen::AlignedBox3d& box,
-                       const PathOptions& options)
-    : free_space_(free_space), options_(options) {
+LegPlanner::LegPlanner(const FreeSpace& free_space, const SegmentRules& rules,
+                       const Eigen::AlignedBox3d& box, double cell_size_m)
+    : free_space_(free_space), rules_(rules), rules_in_known_space_(rules) {
+  rules_in_known_space_.unknown_is_free = true;
   // At multiples of the cell size: what is known does not depend on which views are planned.
-  const Eigen::Vector3d low =
-      (box.min() / options.cell_size_m).array().floor() * options.cell_size_m;
+  const Eigen::Vector3d low = (box.min() / cell_size_m).array().floor() * cell_size_m;
   const Eigen::AlignedBox3d aligned(low, box.max());
-  RequireNotTooManyCells(aligned, options.cell_size_m);
-  grid_ = VoxelGrid(aligned, options.cell_size_m);
+  RequireNotTooManyCells(aligned, cell_size_m);
+  grid_ = VoxelGrid(aligned, cell_size_m);
   clearance_m_ = std::vector<std::atomic<float>>(grid_.NumCells());
   is_known_ = std::vector<std::atomic<signed char>>(grid_.NumCells());
   for (std::size_t i = 0; i < grid_.NumCells(); ++i) {
@@ -41,12 +41,13 @@ LegPlanner::LegPlanner(const FreeSpace& free_space, const Eigen::AlignedBox3d& b
 }
 
 bool LegPlanner::IsKnown(const Cell& cell) const {
-  if (options_.unknown == "free") return true;
+  if (rules_.unknown_is_free) return true;
   if (!grid_.Contains(cell)) return false;
   std::atomic<signed char>& known = is_known_[grid_.Index(cell)];
   if (known.load(std::memory_order_relaxed) < 0) {
-    // The ball inside the cell: its corners belong to the balls of other cells as much.
-    const bool is_known = free_space_.IsKnownFree(grid_.Center(cell), grid_.cell_size_m() / 2);
+    // The ball around the whole cell, and around it what the vehicle may be off.
+    const double radius_m = std::sqrt(3.0) / 2 * grid_.cell_size_m() + rules_.position_error_m;
+    const bool is_known = free_space_.IsKnownFree(grid_.Center(cell), radius_m);
     known.store(is_known ? 1 : 0, std::memory_order_relaxed);
   }
   return known.load(std::memory_order_relaxed) > 0;
@@ -55,8 +56,8 @@ bool LegPlanner::IsKnown(const Cell& cell) const {
 double LegPlanner::ClearanceAt(const Cell& cell) const {
   std::atomic<float>& clearance = clearance_m_[grid_.Index(cell)];
   if (clearance.load(std::memory_order_relaxed) < 0) {
-    // Twice the safe distance is enough to prove any step.
-    const double max_m = 2 * options_.safe_distance_m + 4 * grid_.cell_size_m();
+    // Twice the distance is enough to prove any step.
+    const double max_m = 2 * rules_.ClearanceOfLine() + 4 * grid_.cell_size_m();
     clearance.store(
         static_cast<float>(free_space_.ray_scene().DistanceToSurface(grid_.Center(cell), max_m)),
         std::memory_order_relaxed);
@@ -66,43 +67,29 @@ double LegPlanner::ClearanceAt(const Cell& cell) const {
 
 bool LegPlanner::IsFree(const Cell& cell) const {
   if (!grid_.Contains(cell)) return false;
-  if (options_.max_altitude_m != 0 && grid_.Center(cell).z() > options_.max_altitude_m) {
-    return false;
-  }
-  return ClearanceAt(cell) >= options_.safe_distance_m + options_.proof_tolerance_m &&
-         IsKnown(cell);
+  const double top = grid_.Center(cell).z() + rules_.position_error_m;
+  if (rules_.max_altitude_m != 0 && top > rules_.max_altitude_m) return false;
+  if (!rules_.limits.Allows(grid_.Center(cell), rules_.position_error_m)) return false;
+  return ClearanceAt(cell) >= rules_.ClearanceOfLine() + rules_.proof_tolerance_m && IsKnown(cell);
 }
 
 bool LegPlanner::IsStepProved(const Cell& from, const Cell& to) const {
   const double length = grid_.cell_size_m() * (to - from).cast<double>().norm();
+  if (!rules_.limits.IsEmpty() &&
+      !rules_.limits.AllowsSegment(grid_.Center(from), grid_.Center(to), rules_.position_error_m)) {
+    return false;
+  }
   const double bound = (ClearanceAt(from) + ClearanceAt(to) - length) / 2;
-  if (bound >= options_.safe_distance_m + options_.proof_tolerance_m) return true;
+  if (bound >= rules_.ClearanceOfLine() + rules_.proof_tolerance_m) return true;
   return ProveClearance(free_space_.ray_scene(), grid_.Center(from), grid_.Center(to),
-                        options_.safe_distance_m, options_.proof_tolerance_m);
+                        rules_.ClearanceOfLine(), rules_.proof_tolerance_m);
 }
 
 bool LegPlanner::IsSegmentProved(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const {
-  if (options_.max_altitude_m != 0 && std::max(a.z(), b.z()) > options_.max_altitude_m) {
-    return false;
+  if (grid_.AllOnSegment(a, b, [&](const Cell& cell) { return IsKnown(cell); })) {
+    return WhyNotFly(free_space_, rules_in_known_space_, a, b).empty();
   }
-  if (!grid_.AllOnSegment(a, b, [&](const Cell& cell) { return IsKnown(cell); })) return false;
-  return ProveClearance(free_space_.ray_scene(), a, b, options_.safe_distance_m,
-                        options_.proof_tolerance_m);
-}
-
-std::string LegPlanner::WhyNotAt(const Eigen::Vector3d& point) const {
-  if (!point.allFinite()) return "its position is not finite";
-  if (options_.max_altitude_m != 0 && point.z() > options_.max_altitude_m) {
-    return "it is above the ceiling";
-  }
-  if (!grid_.AllOnSegment(point, point, [&](const Cell& cell) { return IsKnown(cell); })) {
-    return "it is in unknown space";
-  }
-  const double least = options_.safe_distance_m + options_.proof_tolerance_m;
-  if (free_space_.ray_scene().DistanceToSurface(point, least + 1) < least) {
-    return "it is nearer to the surface than the safe distance";
-  }
-  return "";
+  return WhyNotFly(free_space_, rules_, a, b).empty();
 }
 
 std::optional<Eigen::Vector3d> LegPlanner::NearestFreeCenter(

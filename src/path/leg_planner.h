@@ -8,6 +8,7 @@
 #include "colmap_ext/path/free_space.h"
 #include "colmap_ext/path/grid_search.h"
 #include "colmap_ext/path/path_planner.h"
+#include "colmap_ext/path/segment_check.h"
 
 namespace colmap_ext {
 
@@ -16,17 +17,17 @@ namespace colmap_ext {
 class LegPlanner {
  public:
   // `box`: what the search grid covers. Throws Error when that would be too many cells.
-  LegPlanner(const FreeSpace& free_space, const Eigen::AlignedBox3d& box,
-             const PathOptions& options);
+  LegPlanner(const FreeSpace& free_space, const SegmentRules& rules, const Eigen::AlignedBox3d& box,
+             double cell_size_m);
+
+  const FreeSpace& free_space() const { return free_space_; }
+  const SegmentRules& rules() const { return rules_; }
 
   // Corners of a proved polyline from a to b, both included; empty when none was found.
   std::vector<Eigen::Vector3d> FindLeg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const;
 
-  // Clearance, known space and ceiling hold on every point of the segment.
+  // As WhyNotFly, with what is known about the cells at hand.
   bool IsSegmentProved(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const;
-
-  // Why a vehicle may not hover at `point`; empty when it may.
-  std::string WhyNotAt(const Eigen::Vector3d& point) const;
 
   // The cell nearest to `point`, among those around it, that `is_reachable` accepts.
   std::optional<Eigen::Vector3d> NearestFreeCenter(
@@ -41,7 +42,8 @@ class LegPlanner {
   std::vector<Eigen::Vector3d> PullStraight(const std::vector<Eigen::Vector3d>& polyline) const;
 
   const FreeSpace& free_space_;
-  const PathOptions& options_;
+  SegmentRules rules_;
+  SegmentRules rules_in_known_space_;  // the same where it is known already
   VoxelGrid grid_;
   // Caches over the cells. Two threads may compute the same value, but never different ones.
   mutable std::vector<std::atomic<float>> clearance_m_;     // < 0: not computed yet

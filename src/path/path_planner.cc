@@ -1,15 +1,14 @@
 #include "colmap_ext/path/path_planner.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "colmap_ext/path/clearance.h"
+#include "colmap_ext/path/flight_time.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/text.h"
-#include "path/leg_planner.h"
+#include "path/battery.h"
+#include "path/leg_table.h"
 #include "path/tour.h"
 
 namespace colmap_ext {
@@ -19,30 +18,22 @@ namespace {
 constexpr double kMaxClearance_m = 50;
 constexpr double kClearanceTolerance_m = 0.02;
 
-using Polyline = std::vector<Eigen::Vector3d>;
-
-double Length(const Polyline& polyline) {
-  double length = 0;
-  for (std::size_t i = 0; i + 1 < polyline.size(); ++i) {
-    length += (polyline[i + 1] - polyline[i]).norm();
-  }
-  return length;
-}
-
 std::string Metres(double value) { return FormatNumber("%.2f m", value); }
 
-// The volume in which detours are looked for: start and views, and room to fly around and over the
-// surface between them, but at most a cell lower than the lowest of them: what cannot be gone
-// around is flown over, and where the surface lacks the ground nothing dives below it.
-Eigen::AlignedBox3d SearchBox(const Eigen::Vector3d& start, const std::vector<PlannedView>& views,
-                              const TriangleMesh& surface, const PathOptions& options) {
-  Eigen::AlignedBox3d box(start);
+// The volume in which detours are looked for: start, home and views, and room to fly around and
+// over the surface between them, but at most a cell lower than the lowest of them: what cannot be
+// gone around is flown over, and where the surface lacks the ground nothing dives below it.
+Eigen::AlignedBox3d SearchBox(const std::vector<Eigen::Vector3d>& stays,
+                              const std::vector<PlannedView>& views, const FreeSpace& space,
+                              const PathOptions& options) {
+  Eigen::AlignedBox3d box(stays.front());
+  for (const Eigen::Vector3d& stay : stays) box.extend(stay);
   for (const PlannedView& view : views) {
     if (view.position.allFinite()) box.extend(view.position);
   }
-  if (!surface.vertices.empty()) {
-    const double over_top = BoundsOf(surface).max().z() + options.safe_distance_m;
-    box.extend(Eigen::Vector3d(start.x(), start.y(), over_top));
+  if (std::isfinite(space.SurfaceTop())) {
+    const double over_top = space.SurfaceTop() + options.safe_distance_m + options.position_error_m;
+    box.extend(Eigen::Vector3d(stays.front().x(), stays.front().y(), over_top));
   }
   const Eigen::Vector3d margin =
       Eigen::Vector3d::Constant(options.detour_margin_m + 2 * options.cell_size_m);
@@ -52,56 +43,25 @@ Eigen::AlignedBox3d SearchBox(const Eigen::Vector3d& start, const std::vector<Pl
   return box;
 }
 
-// All legs between the start (node 0) and the views (node i + 1).
-class LegTable {
- public:
-  LegTable(const LegPlanner& planner, Polyline places)
-      : planner_(planner), places_(std::move(places)), legs_(places_.size() * places_.size()) {}
-
-  const Polyline& Leg(std::size_t from, std::size_t to) const {
-    return legs_[from * places_.size() + to];
-  }
-
-  // Finds the leg and its reverse.
-  void Find(std::size_t from, std::size_t to) {
-    Set(from, to, planner_.FindLeg(places_[from], places_[to]));
-  }
-
-  // Every view has a leg from the start. Where a direct one between two views was not found (a view
-  // in a nook that only a straight leg enters), they are joined by way of the start.
-  void JoinByWayOfStart(std::size_t from, std::size_t to) {
-    if (!Leg(from, to).empty()) return;
-    Polyline leg = Leg(from, 0);
-    leg.insert(leg.end(), Leg(0, to).begin() + 1, Leg(0, to).end());
-    Set(from, to, std::move(leg));
-  }
-
- private:
-  void Set(std::size_t from, std::size_t to, Polyline leg) {
-    legs_[to * places_.size() + from] = Polyline(leg.rbegin(), leg.rend());
-    legs_[from * places_.size() + to] = std::move(leg);
-  }
-
-  const LegPlanner& planner_;
-  Polyline places_;
-  std::vector<Polyline> legs_;
-};
-
 // Where planning begins: `start` itself, or, when it is a little too near to the surface, the end
 // of a straight leg away from it.
-Polyline LeaveStart(const LegPlanner& planner, const FreeSpace& free_space,
-                    const Eigen::Vector3d& start, const PathOptions& options,
-                    const JobControl& job) {
-  const std::string complaint = planner.WhyNotAt(start);
+Polyline LeaveStart(const LegPlanner& planner, const Eigen::Vector3d& start,
+                    const PathOptions& options, const JobControl& job) {
+  const SegmentRules& rules = planner.rules();
+  if (planner.free_space().IsInsideSurface(start)) {
+    throw Error("path: cannot start from where the vehicle is: it is inside of the model");
+  }
+  const std::string complaint = WhyNotHover(planner.free_space(), rules, start);
   if (complaint.empty()) return {start};
-  const RayScene& scene = free_space.ray_scene();
+  const RayScene& scene = planner.free_space().ray_scene();
   const double clearance = scene.DistanceToSurface(start, kMaxClearance_m);
-  const double least = options.safe_distance_m - options.start_tolerance_m;
-  if (clearance >= least && options.safe_distance_m + options.proof_tolerance_m > clearance) {
+  const double least = rules.ClearanceOfLine() - options.start_tolerance_m;
+  if (clearance >= least && rules.ClearanceOfLine() + rules.proof_tolerance_m > clearance) {
     const double keep = std::max(0.0, clearance - 2 * options.proof_tolerance_m);
     const int rings = 2 + static_cast<int>(options.start_tolerance_m / options.cell_size_m);
     const auto away = planner.NearestFreeCenter(start, rings, [&](const Eigen::Vector3d& center) {
-      return ProveClearance(scene, start, center, keep, options.proof_tolerance_m);
+      return ProveClearance(scene, start, center, keep, options.proof_tolerance_m) &&
+             (rules.unknown_is_free || IsSegmentKnown(planner.free_space(), start, center, 0));
     });
     if (away) {
       job.Warn("path: the start is " + Metres(clearance) + " from the surface, nearer than the " +
@@ -109,135 +69,193 @@ Polyline LeaveStart(const LegPlanner& planner, const FreeSpace& free_space,
       return {start, *away};
     }
   }
-  throw Error("path: cannot start: " + Metres(clearance) + " from the surface (safe distance " +
-              Metres(options.safe_distance_m) + "), " + complaint +
-              "; move the vehicle or lower --Path.safe_distance_m");
+  throw Error("path: cannot start from where the vehicle is: " + complaint +
+              "; move the vehicle or change --Path.safe_distance_m, --Path.free_volume or limits");
 }
 
-// The views that may be flown to, in their order; the others go to `path`.
-std::vector<PlannedView> AdmissibleViews(const LegPlanner& planner,
-                                         const std::vector<PlannedView>& views,
-                                         const JobControl& job, FlightPath* path) {
-  std::vector<PlannedView> admissible;
-  for (const PlannedView& view : views) {
-    const std::string complaint = planner.WhyNotAt(view.position);
-    if (complaint.empty()) {
-      admissible.push_back(view);
-    } else {
-      job.Warn("path: view " + std::to_string(view.id) + " is dropped: " + complaint);
-      path->dropped_view_ids.push_back(view.id);
+class Planner {
+ public:
+  Planner(const Eigen::Vector3d& start, const std::vector<PlannedView>& views,
+          const FreeSpace& space, const PathOptions& options, const JobControl& job)
+      : views_(views),
+        options_(options),
+        job_(job),
+        home_(options.home.empty() ? start : ParsePlace(options.home)),
+        legs_(space, RulesOf(options), SearchBox({start, home_}, views, space, options),
+              options.cell_size_m),
+        reasons_(views.size()),
+        leave_(LeaveStart(legs_, start, options, job)) {}
+
+  FlightPath Plan() {
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      Drop(i, WhyNotHover(legs_.free_space(), legs_.rules(), views_[i].position));
     }
+    LegTable table(legs_, Places(), job_);
+    if (!options_.home.empty() && !table.IsReached(1)) {
+      throw Error("path: no proved way from the start to --Path.home " + options_.home +
+                  WhyNotHome());
+    }
+    DropUnreached(table);
+    table.FindAll(job_);
+    const std::vector<std::vector<int>> flights = SplitTour(table);
+    FlightPath path;
+    for (const Eigen::Vector3d& place : leave_) path.waypoints.push_back({place, {}, -1});
+    for (std::size_t i = 0; i < flights.size(); ++i) {
+      AddFlight(table, flights[i], i + 1 == flights.size(), &path);
+    }
+    Finish(&path);
+    return path;
   }
-  return admissible;
-}
 
-// Waypoints through the corners of the legs in the tour's order. A view's waypoint ends its leg.
-std::vector<Waypoint> WaypointsOf(const Polyline& leave, const LegTable& legs,
-                                  const std::vector<int>& tour,
-                                  const std::vector<PlannedView>& views) {
-  std::vector<Waypoint> waypoints;
-  for (const Eigen::Vector3d& place : leave) waypoints.push_back({place, {}, -1});
-  for (std::size_t k = 0; k + 1 < tour.size(); ++k) {
-    const PlannedView& view = views[static_cast<std::size_t>(tour[k + 1] - 1)];
-    const Polyline& leg =
-        legs.Leg(static_cast<std::size_t>(tour[k]), static_cast<std::size_t>(tour[k + 1]));
+ private:
+  // Nodes of the table: the start, home when it is another place, then the views that remain.
+  int HomeNode() const { return options_.home.empty() ? 0 : 1; }
+  std::size_t FirstViewNode() const { return static_cast<std::size_t>(HomeNode()) + 1; }
+  const PlannedView& ViewOf(int node) const {
+    return views_[remaining_[static_cast<std::size_t>(node) - FirstViewNode()]];
+  }
+
+  void Drop(std::size_t view, const std::string& reason) {
+    if (reason.empty() || !reasons_[view].empty()) return;
+    reasons_[view] = reason;
+    job_.Warn("path: view " + std::to_string(views_[view].id) + " is dropped: " + reason);
+  }
+
+  std::string WhyNotHome() const {
+    const std::string complaint = WhyNotHover(legs_.free_space(), legs_.rules(), home_);
+    return complaint.empty() ? "" : ": " + complaint;
+  }
+
+  Polyline Places() {
+    Polyline places = {leave_.back()};
+    if (!options_.home.empty()) places.push_back(home_);
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      if (!reasons_[i].empty()) continue;
+      remaining_.push_back(i);
+      places.push_back(views_[i].position);
+    }
+    return places;
+  }
+
+  void DropUnreached(const LegTable& table) {
+    std::vector<std::size_t> reached;
+    for (std::size_t i = 0; i < remaining_.size(); ++i) {
+      if (table.IsReached(FirstViewNode() + i)) {
+        reached.push_back(remaining_[i]);
+      } else {
+        const std::string straight = WhyNotFly(legs_.free_space(), legs_.rules(), leave_.back(),
+                                               views_[remaining_[i]].position);
+        Drop(remaining_[i], "no way to it can be proved (straight there " + straight +
+                                ", and no detour was found)");
+      }
+    }
+    remaining_ = std::move(reached);
+  }
+
+  // From hover at one node to the end of the photo at the other.
+  double Seconds(const LegTable& table, int from, int to) const {
+    const Polyline leg = table.Leg(static_cast<std::size_t>(from), static_cast<std::size_t>(to));
+    double seconds = 0;
+    for (std::size_t i = 0; i + 1 < leg.size(); ++i) {
+      seconds += TimeBetween(leg[i], leg[i + 1], options_);
+    }
+    if (to <= HomeNode()) return seconds;
+    // Where the turn starts from is known; a flight that comes from home turns by at most half.
+    double turn_rad = DegToRad(180);
+    if (from > HomeNode()) {
+      turn_rad =
+          std::abs(NormalizeAngle(ViewOf(to).direction.yaw_rad - ViewOf(from).direction.yaw_rad));
+    }
+    return seconds + options_.hover_s + RadToDeg(turn_rad) / options_.yaw_rate_deg_s;
+  }
+
+  std::vector<std::vector<int>> SplitTour(const LegTable& table) {
+    std::vector<int> tour = TourOf(table);
+    BatterySplit split = SplitByBattery(tour, HomeNode(), UsableSeconds(options_),
+                                        [&](int from, int to) { return Seconds(table, from, to); });
+    for (const int node : split.too_far) {
+      Drop(remaining_[static_cast<std::size_t>(node) - FirstViewNode()],
+           "it is further than one battery carries there and back");
+    }
+    return split.flights;
+  }
+
+  // Home is no stop of the tour.
+  std::vector<int> TourOf(const LegTable& table) const {
+    std::vector<int> nodes = {0};
+    for (std::size_t i = 0; i < remaining_.size(); ++i) {
+      nodes.push_back(static_cast<int>(FirstViewNode() + i));
+    }
+    std::vector<int> tour = ShortOpenTour(table.lengths()(nodes, nodes));
+    for (int& node : tour) node = nodes[static_cast<std::size_t>(node)];
+    return tour;
+  }
+
+  void AddLeg(const LegTable& table, int from, int to, FlightPath* path) const {
+    const Polyline leg = table.Leg(static_cast<std::size_t>(from), static_cast<std::size_t>(to));
+    const bool is_view = to > HomeNode();
+    const ViewDirection direction =
+        is_view ? ViewOf(to).direction : path->waypoints.back().direction;
     for (std::size_t i = 1; i < leg.size(); ++i) {
-      waypoints.push_back({leg[i], view.direction, i + 1 == leg.size() ? view.id : -1});
+      const bool is_end = i + 1 == leg.size();
+      path->waypoints.push_back({leg[i], direction, is_view && is_end ? ViewOf(to).id : -1});
     }
   }
-  for (std::size_t i = 0; i < leave.size() && leave.size() < waypoints.size(); ++i) {
-    waypoints[i].direction = waypoints[leave.size()].direction;
-  }
-  return waypoints;
-}
 
-Eigen::MatrixXd LengthsOf(const LegTable& legs, std::size_t num_nodes) {
-  const auto n = static_cast<Eigen::Index>(num_nodes);
-  Eigen::MatrixXd length = Eigen::MatrixXd::Zero(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    for (Eigen::Index j = i + 1; j < n; ++j) {
-      length(i, j) = Length(legs.Leg(static_cast<std::size_t>(i), static_cast<std::size_t>(j)));
-      length(j, i) = length(i, j);
+  void AddFlight(const LegTable& table, const std::vector<int>& nodes, bool is_last,
+                 FlightPath* path) const {
+    BatteryFlight flight;
+    flight.first_waypoint = path->flights.empty() ? 0 : path->waypoints.size() - 1;
+    for (std::size_t i = 0; i + 1 < nodes.size(); ++i) {
+      AddLeg(table, nodes[i], nodes[i + 1], path);
+    }
+    if (path->flights.empty() && path->waypoints.size() > leave_.size()) {
+      for (std::size_t i = 0; i < leave_.size(); ++i) {
+        path->waypoints[i].direction = path->waypoints[leave_.size()].direction;
+      }
+    }
+    flight.return_s = Seconds(table, nodes.back(), HomeNode());
+    const bool returns = !is_last || options_.return_home;
+    if (returns) AddLeg(table, nodes.back(), HomeNode(), path);
+    flight.last_waypoint = path->waypoints.size() - 1;
+    const std::vector<Waypoint> part(
+        path->waypoints.begin() + static_cast<std::ptrdiff_t>(flight.first_waypoint),
+        path->waypoints.end());
+    for (std::size_t i = 0; i + 1 < part.size(); ++i) {
+      flight.length_m += (part[i + 1].position - part[i].position).norm();
+    }
+    flight.duration_s = EstimateDuration(part, options_);
+    flight.battery_share =
+        BatteryShare(flight.duration_s + (returns ? 0 : flight.return_s), options_);
+    path->flights.push_back(flight);
+  }
+
+  void Finish(FlightPath* path) const {
+    Polyline polyline;
+    for (const Waypoint& waypoint : path->waypoints) polyline.push_back(waypoint.position);
+    path->length_m = LengthOf(polyline);
+    for (const BatteryFlight& flight : path->flights) path->duration_s += flight.duration_s;
+    const double of_line = ProvedMinClearance(legs_.free_space().ray_scene(), polyline,
+                                              kClearanceTolerance_m, kMaxClearance_m);
+    path->min_clearance_m = std::max(0.0, of_line - options_.position_error_m);
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      if (reasons_[i].empty()) continue;
+      path->dropped_view_ids.push_back(views_[i].id);
+      path->drop_reasons.push_back(reasons_[i]);
     }
   }
-  return length;
-}
 
-Polyline PlacesOf(const Eigen::Vector3d& start, const std::vector<PlannedView>& views) {
-  Polyline places = {start};
-  for (const PlannedView& view : views) places.push_back(view.position);
-  return places;
-}
-
-// Views with a proved leg from `start`; the others go to `path`.
-std::vector<PlannedView> ReachableViews(const LegPlanner& planner, const Eigen::Vector3d& start,
-                                        const std::vector<PlannedView>& views,
-                                        const JobControl& job, FlightPath* path) {
-  std::vector<char> is_reached(views.size(), 0);
-  tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
-    is_reached[i] = planner.FindLeg(start, views[i].position).empty() ? 0 : 1;
-  });
-  std::vector<PlannedView> reachable;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    if (is_reached[i] != 0) {
-      reachable.push_back(views[i]);
-    } else {
-      job.Warn("path: view " + std::to_string(views[i].id) +
-               " is dropped: no way to it can be proved");
-      path->dropped_view_ids.push_back(views[i].id);
-    }
-  }
-  return reachable;
-}
-
-void FindAllLegs(std::size_t num_nodes, const JobControl& job, LegTable* legs) {
-  std::vector<std::pair<std::size_t, std::size_t>> pairs;
-  for (std::size_t i = 0; i < num_nodes; ++i) {
-    for (std::size_t j = i + 1; j < num_nodes; ++j) pairs.emplace_back(i, j);
-  }
-  tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t k) {
-    if (!job.IsCancelled()) legs->Find(pairs[k].first, pairs[k].second);
-  });
-  job.ThrowIfCancelled();
-  for (const auto& [from, to] : pairs) {
-    if (from != 0) legs->JoinByWayOfStart(from, to);
-  }
-}
-
-// Dropped views in the order of `views`.
-void SortDropped(const std::vector<PlannedView>& views, FlightPath* path) {
-  std::vector<int> sorted;
-  for (const PlannedView& view : views) {
-    const auto& dropped = path->dropped_view_ids;
-    if (std::find(dropped.begin(), dropped.end(), view.id) != dropped.end()) {
-      sorted.push_back(view.id);
-    }
-  }
-  path->dropped_view_ids = sorted;
-}
+  const std::vector<PlannedView>& views_;
+  const PathOptions& options_;
+  const JobControl& job_;
+  Eigen::Vector3d home_;
+  LegPlanner legs_;
+  std::vector<std::string> reasons_;    // why a view is dropped; one a view
+  Polyline leave_;                      // from where the vehicle is to where rules hold
+  std::vector<std::size_t> remaining_;  // views that are not dropped, in their order
+};
 
 }  // namespace
-
-std::function<bool(const Eigen::Vector3d&)> FlyablePositions(const TriangleMesh& surface,
-                                                             const std::vector<PosedPhoto>& photos,
-                                                             const Eigen::Vector3d& start,
-                                                             const PathOptions& options) {
-  ThrowIfInvalid(options.Check());
-  const auto space = std::make_shared<const FreeSpace>(
-      surface, photos, std::vector<Eigen::Vector3d>{start},
-      FreeSpaceOptions{options.safe_distance_m, options.flown_margin_m});
-  return [space, options](const Eigen::Vector3d& point) {
-    if (!point.allFinite()) return false;
-    if (options.max_altitude_m != 0 && point.z() > options.max_altitude_m) return false;
-    const double least = options.safe_distance_m + options.proof_tolerance_m;
-    if (space->ray_scene().DistanceToSurface(point, least + 1) < least) return false;
-    if (options.unknown == "free") return true;
-    const VoxelGrid grid(Eigen::AlignedBox3d(Eigen::Vector3d::Zero()), options.cell_size_m);
-    return grid.AllOnSegment(point, point, [&](const Cell& cell) {
-      return space->IsKnownFree(grid.Center(cell), grid.cell_size_m() / 2);
-    });
-  };
-}
 
 void RequireMetric(const WorldFrame& frame) {
   if (!frame.is_metric_enu) {
@@ -247,51 +265,79 @@ void RequireMetric(const WorldFrame& frame) {
   }
 }
 
-double EstimateDuration(const std::vector<Waypoint>& waypoints, const PathOptions& options) {
-  double duration_s = 0;
-  double yaw_rad = waypoints.empty() ? 0 : waypoints.front().direction.yaw_rad;
-  for (std::size_t i = 0; i < waypoints.size(); ++i) {
-    if (i > 0) {
-      const double length = (waypoints[i].position - waypoints[i - 1].position).norm();
-      duration_s += length / options.speed_m_s;
-    }
-    if (waypoints[i].view_id < 0) continue;
-    const double turn_rad = std::abs(NormalizeAngle(waypoints[i].direction.yaw_rad - yaw_rad));
-    duration_s += RadToDeg(turn_rad) / options.yaw_rate_deg_s + options.hover_s;
-    yaw_rad = waypoints[i].direction.yaw_rad;
+SegmentRules RulesOf(const PathOptions& options) {
+  SegmentRules rules;
+  rules.safe_distance_m = options.safe_distance_m;
+  rules.position_error_m = options.position_error_m;
+  rules.proof_tolerance_m = options.proof_tolerance_m;
+  rules.max_altitude_m = options.max_altitude_m;
+  rules.limits = options.limits;
+  rules.unknown_is_free = options.unknown == "free";
+  return rules;
+}
+
+void ReadZones(const WorldFrame& frame, PathOptions* options) {
+  if (!options->limits_path.empty()) {
+    options->limits = ReadFlightLimits(options->limits_path, frame);
   }
-  return duration_s;
+  FreeSpaceOptions unused;
+  for (const std::filesystem::path& file : SetFreeVolume(options->free_volume, &unused)) {
+    const FlightLimits volumes = ReadFlightLimits(file, frame);
+    options->free_zones.insert(options->free_zones.end(), volumes.zones.begin(),
+                               volumes.zones.end());
+  }
+}
+
+FreeSpace KnownSpace(const Surface& surface, const std::vector<PosedPhoto>& photos,
+                     const Eigen::Vector3d& start, const PathOptions& options) {
+  ThrowIfInvalid(options.Check());
+  if (!start.allFinite()) throw Error("path: the start position is not finite");
+  FreeSpaceOptions known;
+  known.above_top_m = options.safe_distance_m;
+  known.flown_margin_m = options.flown_margin_m;
+  known.confident_spacing_m = options.confident_spacing_m;
+  SetFreeVolume(options.free_volume, &known);
+  known.zones.insert(known.zones.end(), options.free_zones.begin(), options.free_zones.end());
+  // Nobody will ask.
+  const bool is_asked = options.unknown != "free";
+  return {surface, is_asked ? photos : std::vector<PosedPhoto>{}, {start}, known};
+}
+
+std::function<bool(const Eigen::Vector3d&)> FlyablePositions(std::shared_ptr<const FreeSpace> space,
+                                                             const PathOptions& options) {
+  ThrowIfInvalid(options.Check());
+  return [space = std::move(space), rules = RulesOf(options)](const Eigen::Vector3d& point) {
+    return WhyNotHover(*space, rules, point).empty();
+  };
+}
+
+std::function<bool(const Eigen::Vector3d&)> FlyablePositions(const TriangleMesh& surface,
+                                                             const std::vector<PosedPhoto>& photos,
+                                                             const Eigen::Vector3d& start,
+                                                             const PathOptions& options) {
+  return FlyablePositions(
+      std::make_shared<const FreeSpace>(KnownSpace({surface, {}, {}}, photos, start, options)),
+      options);
+}
+
+FlightPath PlanPath(const Eigen::Vector3d& start, const std::vector<PlannedView>& views,
+                    const FreeSpace& space, const PathOptions& options, const JobControl& job) {
+  ThrowIfInvalid(options.Check());
+  if (!start.allFinite()) throw Error("path: the start position is not finite");
+  return Planner(start, views, space, options, job).Plan();
+}
+
+FlightPath PlanPath(const Eigen::Vector3d& start, const std::vector<PlannedView>& views,
+                    const Surface& surface, const std::vector<PosedPhoto>& photos,
+                    const PathOptions& options, const JobControl& job) {
+  ThrowIfInvalid(options.Check());
+  return PlanPath(start, views, KnownSpace(surface, photos, start, options), options, job);
 }
 
 FlightPath PlanPath(const Eigen::Vector3d& start, const std::vector<PlannedView>& views,
                     const TriangleMesh& surface, const std::vector<PosedPhoto>& photos,
                     const PathOptions& options, const JobControl& job) {
-  ThrowIfInvalid(options.Check());
-  if (!start.allFinite()) throw Error("path: the start position is not finite");
-  const FreeSpace free_space(surface, photos, {start},
-                             {options.safe_distance_m, options.flown_margin_m});
-  const LegPlanner planner(free_space, SearchBox(start, views, surface, options), options);
-
-  FlightPath path;
-  const Polyline leave = LeaveStart(planner, free_space, start, options, job);
-  const std::vector<PlannedView> admissible = AdmissibleViews(planner, views, job, &path);
-  const std::vector<PlannedView> reachable =
-      ReachableViews(planner, leave.back(), admissible, job, &path);
-  SortDropped(views, &path);
-  job.ThrowIfCancelled();
-
-  LegTable legs(planner, PlacesOf(leave.back(), reachable));
-  FindAllLegs(reachable.size() + 1, job, &legs);
-  const std::vector<int> tour = ShortOpenTour(LengthsOf(legs, reachable.size() + 1));
-  path.waypoints = WaypointsOf(leave, legs, tour, reachable);
-
-  Polyline polyline;
-  for (const Waypoint& waypoint : path.waypoints) polyline.push_back(waypoint.position);
-  path.length_m = Length(polyline);
-  path.duration_s = EstimateDuration(path.waypoints, options);
-  path.min_clearance_m =
-      ProvedMinClearance(free_space.ray_scene(), polyline, kClearanceTolerance_m, kMaxClearance_m);
-  return path;
+  return PlanPath(start, views, Surface{surface, {}, {}}, photos, options, job);
 }
 
 }  // namespace colmap_ext

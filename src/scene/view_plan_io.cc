@@ -26,6 +26,44 @@ ViewDirection ReadDirection(const JsonNode& node) {
           .pitch_rad = DegToRad(node["pitch_deg"].Number())};
 }
 
+Json FlightsToJson(const std::vector<BatteryFlight>& flights) {
+  Json json = Json::array();
+  for (const BatteryFlight& flight : flights) {
+    json.push_back({{"first_waypoint", flight.first_waypoint},
+                    {"last_waypoint", flight.last_waypoint},
+                    {"length_m", flight.length_m},
+                    {"duration_s", flight.duration_s},
+                    {"return_s", flight.return_s},
+                    {"battery_share", flight.battery_share}});
+  }
+  return json;
+}
+
+std::size_t ReadWaypointIndex(const JsonNode& node, std::size_t num_waypoints) {
+  const int index = node.Integer();
+  if (index < 0 || static_cast<std::size_t>(index) >= num_waypoints) {
+    node.Fail("there is no such waypoint");
+  }
+  return static_cast<std::size_t>(index);
+}
+
+std::vector<BatteryFlight> ReadFlights(const JsonNode& root, std::size_t num_waypoints) {
+  std::vector<BatteryFlight> flights;
+  const std::optional<JsonNode> list = root.Find("flights");
+  if (!list) return flights;
+  for (const JsonNode& node : list->Items()) {
+    BatteryFlight flight;
+    flight.first_waypoint = ReadWaypointIndex(node["first_waypoint"], num_waypoints);
+    flight.last_waypoint = ReadWaypointIndex(node["last_waypoint"], num_waypoints);
+    flight.length_m = node["length_m"].Number();
+    flight.duration_s = node["duration_s"].Number();
+    flight.return_s = node["return_s"].Number();
+    flight.battery_share = node["battery_share"].Number();
+    flights.push_back(flight);
+  }
+  return flights;
+}
+
 }  // namespace
 
 void WriteViews(const std::vector<PlannedView>& views, const WorldFrame& frame,
@@ -73,6 +111,8 @@ void WritePath(const FlightPath& flight_path, const WorldFrame& frame,
   json["duration_s"] = flight_path.duration_s;
   json["min_clearance_m"] = flight_path.min_clearance_m;
   json["dropped_view_ids"] = flight_path.dropped_view_ids;
+  json["drop_reasons"] = flight_path.drop_reasons;
+  json["flights"] = FlightsToJson(flight_path.flights);
   WriteJsonFile(json, path);
 }
 
@@ -93,6 +133,12 @@ FlightPath ReadPath(const std::filesystem::path& path) {
   for (const JsonNode& node : root["dropped_view_ids"].Items()) {
     flight_path.dropped_view_ids.push_back(node.Integer());
   }
+  if (const auto reasons = root.Find("drop_reasons")) {
+    for (const JsonNode& node : reasons->Items()) {
+      flight_path.drop_reasons.push_back(node.Text());
+    }
+  }
+  flight_path.flights = ReadFlights(root, flight_path.waypoints.size());
   return flight_path;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include "colmap_ext/coverage/coverage.h"
@@ -158,17 +159,20 @@ void RunPlanning(const IterationContext& context, const SessionState& state, Wor
   const StageOptions& options = *context.options;
   const PinholeCamera& camera = work->photos.photos.front().camera;
   const Eigen::Vector3d start = VehiclePosition(work->photos);
+  PathOptions path_options = options.path;
+  ReadZones(work->sparse.frame, &path_options);
+  std::shared_ptr<const FreeSpace> space;
   Timed("nbv", work, job, [&] {
+    space = std::make_shared<const FreeSpace>(
+        KnownSpace(work->surface, work->photos.photos, start, path_options));
     NextBestViewOptions nbv = options.nbv;
     nbv.visibility = options.coverage.visibility;
-    work->plan = PlanNextViews(
-        work->coverage, work->surface.mesh, work->photos.photos, camera, state.next_view_id, nbv,
-        job, FlyablePositions(work->surface.mesh, work->photos.photos, start, options.path));
+    work->plan = PlanNextViews(work->coverage, work->surface.mesh, work->photos.photos, camera,
+                               state.next_view_id, nbv, job, FlyablePositions(space, path_options));
     WriteViews(work->plan.views, work->sparse.frame, work->files.views_json());
   });
   Timed("path", work, job, [&] {
-    work->path = PlanPath(start, work->plan.views, work->surface.mesh, work->photos.photos,
-                          options.path, job);
+    work->path = PlanPath(start, work->plan.views, *space, path_options, job);
     WritePath(work->path, work->sparse.frame, work->files.path_json());
   });
 }
@@ -179,7 +183,7 @@ void WriteMission(const IterationContext& context, const SessionState& state, co
     job.Warn("no mission file: the world has no origin on Earth (positions were local)");
     return;
   }
-  QgcPlanOptions options = context.options->mission;
+  MissionOptions options = context.options->mission;
   if (options.home_lat_deg == 0 && options.home_lon_deg == 0 && options.home_below_origin_m == 0) {
     // The take-off place is not known: take the lowest ground of the region for its height.
     options.home_below_origin_m = -state.region->box.min().z();

@@ -67,7 +67,8 @@ StageOptions FitToSite(const StageOptions& options, double gsd_mm) {
   for (double* distance_m :
        {&fitted.nbv.grid_spacing_m, &fitted.nbv.nms_radius_m,
         &fitted.nbv.max_distance_to_existing_m, &fitted.nbv.plane_step_m, &fitted.nbv.max_range_m,
-        &fitted.path.cell_size_m, &fitted.path.detour_margin_m, &fitted.path.flown_margin_m}) {
+        &fitted.path.cell_size_m, &fitted.path.detour_margin_m, &fitted.path.flown_margin_m,
+        &fitted.path.confident_spacing_m}) {
     *distance_m *= factor;
   }
   return fitted;
@@ -92,6 +93,10 @@ void ApplyPreset(const std::string& preset, const OptionSet& set, StageOptions* 
   assign("NextBestView.nms_radius_m", 0.2, &options->nbv.nms_radius_m);
   assign("NextBestView.max_distance_to_existing_m", 0.5, &options->nbv.max_distance_to_existing_m);
   assign("Path.safe_distance_m", 0.5, &options->path.safe_distance_m);
+  assign("Path.position_error_m", 0.05, &options->path.position_error_m);
+  assign("Path.climb_speed_m_s", 0.5, &options->path.climb_speed_m_s);
+  assign("Path.descent_speed_m_s", 0.5, &options->path.descent_speed_m_s);
+  assign("Path.confident_spacing_m", 0.2, &options->path.confident_spacing_m);
   assign("Path.cell_size_m", 0.15, &options->path.cell_size_m);
   assign("Path.detour_margin_m", 1.0, &options->path.detour_margin_m);
   assign("Path.flown_margin_m", 0.5, &options->path.flown_margin_m);

@@ -6,23 +6,14 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "colmap_ext/mission/geojson.h"
+#include "colmap_ext/mission/export_formats.h"
 #include "colmap_ext/util/error.h"
+#include "mission/mission_world.h"
 
 namespace colmap_ext {
 namespace {
 
 using Json = nlohmann::json;
-
-WorldFrame FrameOnEarth() { return {true, GeoPosition{47.4, 8.5, 450}}; }
-
-FlightPath TwoViewsAndATurn() {
-  FlightPath path;
-  path.waypoints.push_back({{0, 0, 12}, {0, 0}, -1});
-  path.waypoints.push_back({{10, 20, 15}, {DegToRad(-90), DegToRad(-30)}, 7});
-  path.waypoints.push_back({{-30, 5, 18}, {DegToRad(45), DegToRad(10)}, 8});
-  return path;
-}
 
 // What QGroundControl requires of a plan (its developer guide, "Plan File Format"), checked without
 // the code under test.
@@ -87,9 +78,10 @@ TEST(QgcPlan, FliesEachViewWithGimbalHoldCaptureAndDelay) {
 }
 
 TEST(QgcPlan, PlacesWaypointsOnEarthRelativeToHome) {
-  QgcPlanOptions options;
+  MissionOptions options;
   options.home_below_origin_m = 3;
-  options.undulation_m = 47;
+  options.frame_heights = "ellipsoidal";
+  options.geoid_undulation_m = "47";
   const Json plan = Json::parse(QgcPlan(TwoViewsAndATurn(), FrameOnEarth(), options));
   const Json& home = plan["mission"]["plannedHomePosition"];
   EXPECT_NEAR(home[2].get<double>(), 450 - 3 - 47, 1e-9);
@@ -104,8 +96,20 @@ TEST(QgcPlan, PlacesWaypointsOnEarthRelativeToHome) {
   EXPECT_NEAR(item["Altitude"].get<double>(), 18, 1e-3);
 }
 
+TEST(QgcPlan, TakesHeightsAboveTheSeaWhenAsked) {
+  MissionOptions options;
+  options.frame_heights = "amsl";
+  options.height_reference = "amsl";
+  const Json plan = Json::parse(QgcPlan(TwoViewsAndATurn(), FrameOnEarth(), options));
+  EXPECT_EQ(plan["mission"]["globalPlanAltitudeMode"], 2);
+  const Json& item = plan["mission"]["items"][4];
+  EXPECT_EQ(item["AltitudeMode"], 2);
+  EXPECT_EQ(item["frame"], 0);
+  EXPECT_NEAR(item["Altitude"].get<double>(), 465, 1e-3);
+}
+
 TEST(QgcPlan, TurnsArduPilotByItsOwnCommand) {
-  QgcPlanOptions options;
+  MissionOptions options;
   options.autopilot = "ardupilot";
   const Json plan = Json::parse(QgcPlan(TwoViewsAndATurn(), FrameOnEarth(), options));
   ExpectIsPlan(plan);
@@ -117,20 +121,22 @@ TEST(QgcPlan, TurnsArduPilotByItsOwnCommand) {
 TEST(QgcPlan, TakesOffAtLeastToTheFirstWaypoint) {
   const Json plan = Json::parse(QgcPlan(TwoViewsAndATurn(), FrameOnEarth(), {}));
   EXPECT_NEAR(plan["mission"]["items"][0]["Altitude"].get<double>(), 12, 1e-6);
-  QgcPlanOptions options;
+  MissionOptions options;
   options.takeoff_height_m = 30;
   const Json higher = Json::parse(QgcPlan(TwoViewsAndATurn(), FrameOnEarth(), options));
   EXPECT_NEAR(higher["mission"]["items"][0]["Altitude"].get<double>(), 30, 1e-6);
 }
 
 TEST(QgcPlan, WritesTheFence) {
-  QgcPlanOptions options;
-  options.fence = {{47, 8, 0}, {48, 8, 0}, {48, 9, 0}};
+  MissionOptions options;
+  options.fence = {{{47, 8, 0}, {48, 8, 0}, {48, 9, 0}}};
+  options.no_fly = {{{47.1, 8.1, 0}, {47.2, 8.1, 0}, {47.2, 8.2, 0}}};
   const Json plan = Json::parse(QgcPlan(TwoViewsAndATurn(), FrameOnEarth(), options));
   const Json& polygon = plan["geoFence"]["polygons"].at(0);
   EXPECT_EQ(polygon.at("version"), 1);
   EXPECT_TRUE(polygon.at("inclusion").get<bool>());
   EXPECT_EQ(polygon.at("polygon"), Json::parse("[[47.0,8.0],[48.0,8.0],[48.0,9.0]]"));
+  EXPECT_FALSE(plan["geoFence"]["polygons"].at(1).at("inclusion").get<bool>());
 }
 
 TEST(QgcPlan, RefusesWhatCannotBeFlown) {
@@ -138,19 +144,19 @@ TEST(QgcPlan, RefusesWhatCannotBeFlown) {
   EXPECT_THROW(QgcPlan(path, WorldFrame{true, std::nullopt}, {}), Error);
   EXPECT_THROW(QgcPlan(path, WorldFrame{false, GeoPosition{1, 1, 1}}, {}), Error);
   EXPECT_THROW(QgcPlan(FlightPath{}, FrameOnEarth(), {}), Error);
-  QgcPlanOptions options;
+  MissionOptions options;
   options.home_below_origin_m = -14;  // home above the second waypoint: too low to fly
   EXPECT_THROW(QgcPlan(path, FrameOnEarth(), options), Error);
   options = {};
   options.autopilot = "toaster";
   EXPECT_THROW(QgcPlan(path, FrameOnEarth(), options), UsageError);
   options = {};
-  options.fence = {{47, 8, 0}, {48, 8, 0}};
+  options.fence = {{{47, 8, 0}, {48, 8, 0}}};
   EXPECT_THROW(QgcPlan(path, FrameOnEarth(), options), UsageError);
 }
 
 TEST(GeoJson, HasThePathAndItsViewsLongitudeFirst) {
-  const Json json = Json::parse(GeoJson(TwoViewsAndATurn(), FrameOnEarth()));
+  const Json json = Json::parse(GeoJson(MissionOf({})));
   EXPECT_EQ(json.at("type"), "FeatureCollection");
   ASSERT_EQ(json.at("features").size(), 3u);
   const Json& line = json["features"][0];
@@ -161,11 +167,6 @@ TEST(GeoJson, HasThePathAndItsViewsLongitudeFirst) {
   EXPECT_NEAR(line["geometry"]["coordinates"][0][2].get<double>(), 462, 1e-6);
   EXPECT_EQ(json["features"][1]["properties"]["view_id"], 7);
   EXPECT_NEAR(json["features"][2]["properties"]["yaw_deg"].get<double>(), 45, 1e-9);
-}
-
-TEST(GeoJson, RefusesWithoutAPlaceOnEarthOrWaypoints) {
-  EXPECT_THROW(GeoJson(TwoViewsAndATurn(), WorldFrame{true, std::nullopt}), Error);
-  EXPECT_THROW(GeoJson(FlightPath{}, FrameOnEarth()), Error);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "colmap_ext/geom/mesh.h"
 #include "colmap_ext/scene/photo.h"
+#include "colmap_ext/scene/surface.h"
 #include "colmap_ext/scene/view_plan.h"
 
 namespace colmap_ext {
@@ -29,6 +30,10 @@ inline TriangleMesh MeshOf(const std::vector<Eigen::AlignedBox3d>& boxes) {
   TriangleMesh mesh;
   for (const Eigen::AlignedBox3d& box : boxes) AddBox(box, &mesh);
   return mesh;
+}
+
+inline Surface SurfaceOf(const std::vector<Eigen::AlignedBox3d>& boxes) {
+  return {MeshOf(boxes), {}, {}};
 }
 
 // Distance to the nearest box; 0 inside.

@@ -49,7 +49,7 @@ TEST(ShortOpenTour, IsNearlyTheShortestOfAllOrders) {
     sum += Length(length, tour);
     best_sum += best;
   }
-  EXPECT_LT(sum, 1.06 * best_sum);
+  EXPECT_LT(sum, 1.03 * best_sum);
 }
 
 TEST(ShortOpenTour, UndoesTheDetourOfTheNearestNeighbour) {

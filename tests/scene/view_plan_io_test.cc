@@ -40,6 +40,8 @@ FlightPath RandomPath() {
   flight_path.duration_s = 0.1;
   flight_path.min_clearance_m = 1.0 / 3.0;
   flight_path.dropped_view_ids = {3, 1};
+  flight_path.drop_reasons = {"it is in unknown space", "no way"};
+  flight_path.flights = {{0, 4, 100.5, 60, 10, 0.5}, {4, 6, 23, 20, 3.25, 0.25}};
   return flight_path;
 }
 
@@ -94,6 +96,29 @@ TEST(ViewPlanIo, APathComesBack) {
   EXPECT_EQ(read.duration_s, written.duration_s);
   EXPECT_EQ(read.min_clearance_m, written.min_clearance_m);
   EXPECT_EQ(read.dropped_view_ids, written.dropped_view_ids);
+  EXPECT_EQ(read.drop_reasons, written.drop_reasons);
+  ASSERT_EQ(read.flights.size(), 2u);
+  EXPECT_EQ(read.flights[1].first_waypoint, 4u);
+  EXPECT_EQ(read.flights[1].last_waypoint, 6u);
+  EXPECT_EQ(read.flights[1].length_m, 23);
+  EXPECT_EQ(read.flights[0].duration_s, 60);
+  EXPECT_EQ(read.flights[1].return_s, 3.25);
+  EXPECT_EQ(read.flights[0].battery_share, 0.5);
+}
+
+// Paths of earlier versions have neither flights nor reasons.
+TEST(ViewPlanIo, APathMayLackFlightsButNotNameWaypointsThatAreNotThere) {
+  const TestFolder folder;
+  WritePath(RandomPath(), {.is_metric_enu = true, .origin = kOrigin}, folder / "path.json");
+  Json json = ReadJsonFile(folder / "path.json");
+  json["flights"][1]["last_waypoint"] = 7;
+  WriteJsonFile(json, folder / "wrong.json");
+  ExpectError([&] { ReadPath(folder / "wrong.json"); },
+              {"wrong.json", "/flights/1/last_waypoint", "no such waypoint"});
+  json.erase("flights");
+  json.erase("drop_reasons");
+  WriteJsonFile(json, folder / "old.json");
+  EXPECT_TRUE(ReadPath(folder / "old.json").flights.empty());
 }
 
 // An infinite clearance must not turn into "null" in the file.

@@ -15,8 +15,8 @@ TEST_F(Usage, HelpListsEveryCommand) {
   EXPECT_EQ(result.exit_code, 0);
   for (const char* verb :
        {"sparse_updater", "superpixel_segmenter", "superpixel_stereo", "surface_reconstructor",
-        "coverage_evaluator", "view_planner", "path_planner", "mission_exporter", "active_capture",
-        "scene_renderer", "model_evaluator", "report_generator"}) {
+        "coverage_evaluator", "view_planner", "path_planner", "flight_planner", "mission_exporter",
+        "active_capture", "scene_renderer", "model_evaluator", "report_generator"}) {
     EXPECT_NE(result.output.find(verb), std::string::npos) << verb;
     const ChildProcessResult help = Run({verb, "-h"});
     EXPECT_EQ(help.exit_code, 0) << verb;

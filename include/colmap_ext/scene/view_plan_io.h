@@ -19,7 +19,9 @@ void WriteViews(const std::vector<PlannedView>& views, const WorldFrame& frame,
 std::vector<PlannedView> ReadViews(const std::filesystem::path& path);
 
 // path.json: {"waypoints": [{"position_enu_m", "lat", "lon", "height_m", "yaw_deg", "pitch_deg",
-// "view_id"}], "length_m", "duration_s", "min_clearance_m", "dropped_view_ids": [id, …]}.
+// "view_id"}], "length_m", "duration_s", "min_clearance_m", "dropped_view_ids": [id, …],
+// "drop_reasons": ["…", …], "flights": [{"first_waypoint", "last_waypoint", "length_m",
+// "duration_s", "return_s", "battery_share"}]}. The last two may be missing when reading.
 void WritePath(const FlightPath& flight_path, const WorldFrame& frame,
                const std::filesystem::path& path);
 FlightPath ReadPath(const std::filesystem::path& path);

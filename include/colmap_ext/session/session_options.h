@@ -7,8 +7,8 @@
 #include "colmap_ext/coverage/coverage.h"
 #include "colmap_ext/coverage/region.h"
 #include "colmap_ext/eval/evaluate.h"
+#include "colmap_ext/mission/mission.h"
 #include "colmap_ext/mission/patterns.h"
-#include "colmap_ext/mission/qgc_plan.h"
 #include "colmap_ext/mvs/points.h"
 #include "colmap_ext/mvs/superpixel_stereo.h"
 #include "colmap_ext/mvs/superpixels.h"
@@ -55,7 +55,7 @@ struct StageOptions {
   NextBestViewOptions nbv;
   PathOptions path;
   InitialFlightOptions initial_flight;
-  QgcPlanOptions mission;
+  MissionOptions mission;
   SimulatedCameraOptions simulation;
   RenderOptions render;
   EvaluationOptions evaluation;

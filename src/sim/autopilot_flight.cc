@@ -87,6 +87,7 @@ bool SimulatedAutopilot::Impl::EnterMode(FlightMode next) {
   const double above_home =
       is_px4 ? parameters.Get("RTL_RETURN_ALT") : parameters.Get("RTL_ALT") * 0.01;
   return_z = std::max(Estimated().z(), (home ? home->z() : Estimated().z()) + above_home);
+  if (!is_px4) SendHeartbeat();  // PX4 leaves it to the next one, up to a second later
   return true;
 }
 

@@ -1,5 +1,7 @@
 #include <iostream>
+#include <memory>
 
+#include "colmap_ext/report/page_server.h"
 #include "colmap_ext/report/summary_table.h"
 #include "colmap_ext/scene/workspace.h"
 #include "colmap_ext/session/presets.h"
@@ -41,10 +43,14 @@ int RunActiveCapture(const Arguments& arguments, const CancelFlag& cancel) {
   SessionInputs inputs;
   StageOptions options;
   std::string preset;
+  int serve_port = 0;
   BindInputs(line.options(), &inputs);
   line.options().Add("", "preset", &preset,
                      "size of the site: outdoor or indoor; default: indoor for boxes; "
                      "your own photos are fitted to what they resolve (--Session.fit_to_site)");
+  line.options().Add("", "serve", &serve_port,
+                     "show the session on a page at http://127.0.0.1:PORT/ while it runs, and "
+                     "after, until Ctrl-C; 0: any free port");
   BindOptions(line.options(), &options);
   if (!line.Parse(arguments)) return 0;
   RequireOption(inputs.workspace_path, "workspace_path");
@@ -64,10 +70,21 @@ int RunActiveCapture(const Arguments& arguments, const CancelFlag& cancel) {
   RequireWritableFolder(inputs.workspace_path, "workspace");
   WriteFileAtomically(workspace.session_ini(), line.options().ToIni());
 
-  ConsoleSink sink(line.log_level());
-  const JobControl job(&sink, &cancel);
+  ConsoleSink console(line.log_level());
+  std::unique_ptr<PageServer> server;
+  if (line.options().IsSet("serve")) {
+    server = std::make_unique<PageServer>(workspace, options.page, serve_port, &console);
+    server->Message(LogLevel::kInfo, "The session's page: " + server->url());
+  }
+  ProgressSink* const sink = server ? static_cast<ProgressSink*>(server.get()) : &console;
+  const JobControl job(sink, &cancel);
   const SessionSummary summary = RunSession(inputs, options, job);
   std::cout << '\n' << SummaryTable(summary);
+  if (server) {
+    server->Finish();
+    job.Info("The page stays at " + server->url() + " until Ctrl-C");
+    PageServer::WaitUntilCancelled(job);
+  }
   return 0;
 }
 

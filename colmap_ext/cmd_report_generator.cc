@@ -1,6 +1,7 @@
 #include <iostream>
 
 #include "colmap_ext/report/report_page.h"
+#include "colmap_ext/report/session_page.h"
 #include "colmap_ext/report/summary_table.h"
 #include "colmap_ext/util/files.h"
 #include "command_line.h"
@@ -9,24 +10,28 @@
 namespace colmap_ext {
 
 int RunReportGenerator(const Arguments& arguments, const CancelFlag& cancel) {
-  std::filesystem::path workspace_path, output_path;
+  std::filesystem::path workspace_path, output_path, image_path;
+  PageOptions options;
   CommandLine line("report_generator",
                    "Writes the page of a session, report/index.html, anew from the files in its "
                    "workspace, and prints its table.");
   line.options().Add("", "workspace_path", &workspace_path, "the session's workspace");
   line.options().Add("", "output_path", &output_path,
                      "folder of the page; empty: report/ in the workspace");
+  line.options().Add("", "image_path", &image_path,
+                     "folder of the photos; empty: where the session says that they are");
+  BindOptions(line.options(), &options);
   if (!line.Parse(arguments)) return 0;
   RequireOption(workspace_path, "workspace_path");
   ConsoleSink sink(line.log_level());
   const JobControl job(&sink, &cancel);
 
   const Workspace workspace(workspace_path);
-  const ReportInput input = ReadReportInput(workspace);
+  const SessionSummary summary = ReadReportInput(workspace).summary;
   const std::filesystem::path folder = output_path.empty() ? workspace.report() : output_path;
   RequireWritableFolder(folder, "folder of the page");
-  WriteReportPage(input, folder);
-  std::cout << SummaryTable(input.summary);
+  WriteSessionPage(workspace, folder, image_path, options, job);
+  std::cout << SummaryTable(summary);
   job.Info("wrote " + (folder / "index.html").string());
   return 0;
 }

@@ -8,14 +8,14 @@ packages=(
   colmap
   libassimp-dev libboost-dev libboost-program-options-dev libceres-dev libcgal-dev libeigen3-dev
   libembree-dev libexiv2-dev libflann-dev libgeographiclib-dev libminizip-dev libopen3d-dev libopencv-dev
-  libsqlite3-dev libssl-dev libtbb-dev nlohmann-json3-dev
+  libsqlite3-dev libssl-dev libtbb-dev nlohmann-json3-dev zlib1g-dev
 )
+# Node and npm may come from elsewhere than Debian, in one package.
+command -v node >/dev/null || packages+=(nodejs)
+command -v npm >/dev/null || packages+=(npm)
 if [[ "${1:-}" == "--tests" ]]; then
   packages+=(libgtest-dev libgmock-dev clang-format clang-tidy gdal-bin libxml2-utils python3 sqlite3)
-  packages+=(unzip)
-  # Node and npm may come from elsewhere than Debian, in one package.
-  command -v node >/dev/null || packages+=(nodejs)
-  command -v npm >/dev/null || packages+=(npm)
+  packages+=(chromium unzip)
 fi
 
 missing=()

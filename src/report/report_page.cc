@@ -186,7 +186,8 @@ std::string CopyPicture(const fs::path& file, std::size_t iteration, const fs::p
 
 }  // namespace
 
-void WriteReportPage(const ReportInput& input, const fs::path& folder) {
+void WriteReportPage(const ReportInput& input, const fs::path& folder,
+                     const std::string& page_name) {
   const SessionSummary& summary = input.summary;
   if (input.pictures.size() != summary.iterations.size()) {
     throw Error("report: pictures of " + std::to_string(input.pictures.size()) +
@@ -212,7 +213,7 @@ void WriteReportPage(const ReportInput& input, const fs::path& folder) {
       "pictures; up, down: same picture of another iteration; Esc: close</small></dialog>\n"
       "<script>" +
       kPageScript + "</script>\n</body>\n</html>\n";
-  WriteFileAtomically(folder / "index.html", html);
+  WriteFileAtomically(folder / page_name, html);
 }
 
 }  // namespace colmap_ext

@@ -60,12 +60,16 @@ IterationSummary IterationFromJson(const JsonNode& node, const Json& json) {
 
 }  // namespace
 
-void WriteSummary(const SessionSummary& summary, const std::filesystem::path& path) {
+Json SummaryToJson(const SessionSummary& summary) {
   Json json = {{"finished", summary.finished}, {"iterations", Json::array()}};
   for (const IterationSummary& iteration : summary.iterations) {
     json["iterations"].push_back(IterationToJson(iteration));
   }
-  WriteJsonFile(json, path);
+  return json;
+}
+
+void WriteSummary(const SessionSummary& summary, const std::filesystem::path& path) {
+  WriteJsonFile(SummaryToJson(summary), path);
 }
 
 SessionSummary ReadSummary(const std::filesystem::path& path) {

@@ -21,7 +21,7 @@ std::string StageOptions::Check() const {
        {session.Check(), sparse.Check(), superpixels.Check(), stereo.Check(), points.Check(),
         surface.Check(), coverage.Check(), region.Check(), nbv.Check(), path.Check(),
         initial_flight.Check(), mission.Check(), simulation.Check(), render.Check(),
-        evaluation.Check()}) {
+        evaluation.Check(), page.Check()}) {
     if (!complaint.empty()) return complaint;
   }
   return "";
@@ -58,6 +58,7 @@ void BindOptions(OptionSet& set, StageOptions* options) {
   BindOptions(set, &options->simulation);
   BindOptions(set, &options->render);
   BindOptions(set, &options->evaluation);
+  BindOptions(set, &options->page);
 }
 
 StageOptions FitToSite(const StageOptions& options, double gsd_mm) {

@@ -3,6 +3,7 @@
 #include "colmap_ext/report/mesh_picture.h"
 #include "colmap_ext/report/photo_picture.h"
 #include "colmap_ext/report/session_pictures.h"
+#include "colmap_ext/report/view_overlay.h"
 
 namespace colmap_ext {
 namespace {
@@ -21,6 +22,8 @@ void WriteIterationPictures(const IterationScenery& scenery, const std::filesyst
   const ViewMesh& mesh = scenery.views.back();
   WritePng(DrawSuperpixels(photo.bgr, mesh.image), folder / "superpixels.png");
   WritePng(DrawConfidence(photo.bgr, mesh), folder / "confidence.png");
+
+  WriteViewOverlays(scenery.photos, scenery.views, folder.parent_path() / "overlays.json");
 
   const MeshPainter painter(scenery.surface.mesh);
   const PictureView view = ViewOf(scenery);

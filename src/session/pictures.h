@@ -22,7 +22,8 @@ struct IterationScenery {
 };
 
 // Writes superpixels.png (the newest photo with its superpixel mesh), confidence.png, surface.png,
-// coverage.png and path.png into `folder`.
+// coverage.png and path.png into `folder`, and
+// overlays.json (view_overlay.h) beside it.
 void WriteIterationPictures(const IterationScenery& scenery, const std::filesystem::path& folder);
 
 }  // namespace colmap_ext

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "colmap_ext/report/report_page.h"
+#include "colmap_ext/report/session_page.h"
 #include "colmap_ext/report/summary_json.h"
 #include "colmap_ext/scene/mesh_io.h"
 #include "colmap_ext/scene/position_file.h"
@@ -92,14 +92,15 @@ std::string ReasonToFinish(const Session& session, const std::string& stop_reaso
 
 // The results of an iteration count from the moment the state is replaced: until then a killed
 // session repeats it.
-void FinishIteration(const IterationResult& result, Session* session) {
+void FinishIteration(const IterationResult& result, Session* session, const JobControl& job) {
   session->summary.iterations.push_back(result.summary);
   ++session->state.iterations_done;
   session->state.finished = ReasonToFinish(*session, result.stop_reason);
   session->summary.finished = session->state.finished;
   WriteSummary(session->summary, session->workspace.summary_json());
   WriteSessionState(session->state, session->workspace.state_json());
-  WriteReportPage(ReadReportInput(session->workspace), session->workspace.report());
+  WriteSessionPage(session->workspace, session->workspace.report(), session->inputs.image_path,
+                   session->options.page, job);
 }
 
 void RemoveUnfinishedIteration(const Session& session) {
@@ -168,7 +169,7 @@ SessionSummary RunSimulation(Session session, const JobControl& job) {
     IterationResult result = RunIteration(context, &session.state, job);
     result.summary.stage_wall_s["capture"] = capture.wall_s;
     result.summary.wall_s += capture.wall_s;
-    FinishIteration(result, &session);
+    FinishIteration(result, &session, job);
     AnnounceResult(result, job);
   }
   return session.summary;
@@ -214,7 +215,7 @@ SessionSummary RunOnPhotos(Session session, const JobControl& job) {
     context.sparse.local_position_of_photo = ReadPosePriorFile(session.inputs.pose_prior_path);
   }
   const IterationResult result = RunIteration(context, &session.state, job);
-  FinishIteration(result, &session);
+  FinishIteration(result, &session, job);
   AnnounceResult(result, job);
   if (!result.planning_refusal.empty()) {
     throw Error("coverage is written, but no flight was planned: " + result.planning_refusal);

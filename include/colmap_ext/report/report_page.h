@@ -1,4 +1,5 @@
-// The page of a session: one offline folder, report/index.html and the pictures beside it.
+// The page of a session as pictures and tables: one file and the pictures beside it, no scripts
+// needed. The interactive one: session_page.h.
 #pragma once
 
 #include <filesystem>
@@ -23,11 +24,12 @@ struct ReportInput {
   std::vector<std::vector<ReportPicture>> pictures;
 };
 
-// Writes folder/index.html and folder/pictures/. The page needs nothing else: no network, no
-// server. The page is replaced atomically after its pictures are there; pictures that have not
-// changed are not copied again. Throws Error naming a picture that is missing, or the file that
-// cannot be written.
-void WriteReportPage(const ReportInput& input, const std::filesystem::path& folder);
+// Writes the page (folder/index.html unless `page_name` says otherwise) and folder/pictures/. The
+// page needs nothing else: no network, no server. The page is replaced atomically after its
+// pictures are there; pictures that have not changed are not copied again. Throws Error naming a
+// picture that is missing, or the file that cannot be written.
+void WriteReportPage(const ReportInput& input, const std::filesystem::path& folder,
+                     const std::string& page_name = "index.html");
 
 // The page's input from what a workspace holds: summary.json, iterations/NNN/pictures/*.png, and
 // timing.json where the summary lacks the seconds of the stages. Pictures named superpixels,

@@ -14,6 +14,7 @@
 #include "colmap_ext/mvs/superpixels.h"
 #include "colmap_ext/nbv/plane_sweep.h"
 #include "colmap_ext/path/path_planner.h"
+#include "colmap_ext/report/session_page.h"
 #include "colmap_ext/sfm/sparse_update.h"
 #include "colmap_ext/sim/renderer.h"
 #include "colmap_ext/sim/simulated_camera.h"
@@ -59,6 +60,7 @@ struct StageOptions {
   SimulatedCameraOptions simulation;
   RenderOptions render;
   EvaluationOptions evaluation;
+  PageOptions page;
 
   // The first complaint of any of them; empty when all is well.
   std::string Check() const;

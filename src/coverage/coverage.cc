@@ -26,6 +26,7 @@ struct Thresholds {
   double max_cos = 0;  // of the smallest angle
   double max_angle_rad = 0;
   double matching_sigma_px = 0;
+  double target_error_mm = 0;
 };
 
 Thresholds MakeThresholds(const CoverageOptions& options, bool has_signal) {
@@ -40,6 +41,7 @@ Thresholds MakeThresholds(const CoverageOptions& options, bool has_signal) {
   limits.max_cos = std::cos(DegToRad(options.min_angle_deg));
   limits.max_angle_rad = DegToRad(options.max_angle_deg);
   limits.matching_sigma_px = options.matching_sigma_px;
+  limits.target_error_mm = options.target_error_mm;
   return limits;
 }
 
@@ -80,6 +82,15 @@ CoverageClass Classify(double sample_spacing_m, const std::vector<ViewOfPoint>& 
                                                                    : CoverageClass::kUncovered;
 }
 
+// 0.5 where the predicted error is as large as the target (2 inches when there is none).
+double Score(double predicted_error_mm, double target_error_mm) {
+  constexpr double kDefaultTargetMm = 50.8;
+  if (predicted_error_mm < 0) return 0;
+  const double ratio =
+      predicted_error_mm / (target_error_mm > 0 ? target_error_mm : kDefaultTargetMm);
+  return 1 / (1 + ratio * ratio);
+}
+
 void EvaluatePoint(const std::vector<ViewOfPoint>& views, const Thresholds& limits,
                    IsoPoint* point) {
   std::vector<ViewOfPoint> good_views;
@@ -90,7 +101,11 @@ void EvaluatePoint(const std::vector<ViewOfPoint>& views, const Thresholds& limi
   point->num_good_views = static_cast<int>(good_views.size());
   const double error_m = PredictedError(views, limits.matching_sigma_px, limits.max_angle_rad);
   point->predicted_error_mm = error_m < 0 ? -1.0 : 1000 * error_m;
+  point->score = Score(point->predicted_error_mm, limits.target_error_mm);
   point->coverage = Classify(point->sample_spacing_m, good_views, limits);
+  if (limits.target_error_mm > 0) {
+    point->coverage = point->score >= 0.5 ? CoverageClass::kCovered : CoverageClass::kUncovered;
+  }
 }
 
 }  // namespace
@@ -148,6 +163,7 @@ CoverageMap EvaluateCoverage(const Surface& surface, const std::vector<PosedPhot
   map.points = std::move(iso.points);
   map.disk_area_m2 = iso.disk_area_m2;
   map.min_projection_ratio = limits.min_projection_ratio;
+  map.target_error_mm = limits.target_error_mm;
   return map;
 }
 

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "colmap_ext/coverage/coverage.h"
 #include "colmap_ext/coverage/projection_ratio.h"
 
@@ -20,6 +22,9 @@ std::string CoverageOptions::Check() const {
     return prefix + "iso_point_spacing_m must be >= 0 (0: automatic)";
   }
   if (!(matching_sigma_px > 0)) return prefix + "matching_sigma_px must be above 0";
+  if (!(target_error_mm >= 0) || !std::isfinite(target_error_mm)) {
+    return prefix + "target_error_mm must be >= 0 (mm; 0: no such target)";
+  }
   const std::string complaint = visibility.Check();
   return complaint.empty() ? "" : prefix + complaint;
 }
@@ -52,6 +57,8 @@ void BindOptions(OptionSet& set, CoverageOptions* options) {
   set.Add(section, "seed", &options->seed, "seed of the samples");
   set.Add(section, "matching_sigma_px", &options->matching_sigma_px,
           "standard deviation of a match, px; scales the predicted error");
+  set.Add(section, "target_error_mm", &options->target_error_mm,
+          "points with a larger predicted error are uncovered, mm; 0: views and angles decide");
   set.Add(section, "epsilon_m", &options->visibility.epsilon_m,
           "roughness of the surface that hides nothing, metres; 0: from the mesh");
   set.Add(section, "max_incidence_deg", &options->visibility.max_incidence_deg,
@@ -67,6 +74,7 @@ std::map<std::string, double> ThresholdsOf(const CoverageOptions& options) {
           {"max_angle_deg", options.max_angle_deg},
           {"strong_spacing_m", options.StrongSpacing()},
           {"unsupported_spacing_m", options.unsupported_spacing_m},
+          {"target_error_mm", options.target_error_mm},
           {"max_incidence_deg", options.visibility.max_incidence_deg}};
 }
 

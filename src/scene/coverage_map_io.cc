@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "colmap_ext/scene/json_file.h"
@@ -34,14 +35,19 @@ std::string NumberComment(const std::string& name, double value) {
   return name + " " + std::string(digits.data(), end);
 }
 
-double NumberFromComments(const PlyData& data, const std::string& name,
-                          const std::filesystem::path& path) {
+std::optional<double> FindInComments(const PlyData& data, const std::string& name) {
   for (const std::string& comment : data.comments) {
     const auto words = SplitWords(comment);
     if (words.size() != 2 || words[0] != name) continue;
     const auto value = ParseNumber(words[1]);
-    if (value && std::isfinite(*value)) return *value;
+    if (value && std::isfinite(*value)) return value;
   }
+  return std::nullopt;
+}
+
+double NumberFromComments(const PlyData& data, const std::string& name,
+                          const std::filesystem::path& path) {
+  if (const auto value = FindInComments(data, name)) return *value;
   throw Error(path.string() + ": the header has no line 'comment " + name +
               " <number>'; was this coverage map saved by another program?");
 }
@@ -51,12 +57,16 @@ void CheckWritable(const CoverageMap& map, const std::string& path) {
     const IsoPoint& point = map.points[i];
     if (!point.position.allFinite() || !point.normal.allFinite() ||
         !std::isfinite(point.sample_spacing_m) || !std::isfinite(point.best_projection_ratio) ||
-        !std::isfinite(point.predicted_error_mm)) {
+        !std::isfinite(point.predicted_error_mm) || !std::isfinite(point.score)) {
       throw Error(path + ": iso-point " + std::to_string(i) + " is not finite");
     }
   }
-  if (!std::isfinite(map.disk_area_m2) || !std::isfinite(map.min_projection_ratio)) {
-    throw Error(path + ": disk_area_m2 or min_projection_ratio of the coverage map is not finite");
+  if (!std::isfinite(map.disk_area_m2) || !std::isfinite(map.min_projection_ratio) ||
+      !std::isfinite(map.target_error_mm)) {
+    throw Error(
+        path +
+        ": disk_area_m2, min_projection_ratio or target_error_mm of the coverage map is not "
+        "finite");
   }
 }
 
@@ -64,7 +74,8 @@ PlyElement ElementFromPoints(const std::vector<IsoPoint>& points) {
   const std::size_t count = points.size();
   std::vector<Eigen::Vector3d> positions(count), normals(count);
   std::vector<Rgb8> colors(count);
-  std::vector<double> classes(count), views(count), spacing(count), ratio(count), error(count);
+  std::vector<double> classes(count), views(count), spacing(count), ratio(count), error(count),
+      score(count);
   for (std::size_t i = 0; i < count; ++i) {
     positions[i] = points[i].position;
     normals[i] = points[i].normal;
@@ -74,6 +85,7 @@ PlyElement ElementFromPoints(const std::vector<IsoPoint>& points) {
     spacing[i] = points[i].sample_spacing_m;
     ratio[i] = points[i].best_projection_ratio;
     error[i] = points[i].predicted_error_mm;
+    score[i] = points[i].score;
   }
   PlyElement rows;
   rows.name = "vertex";
@@ -86,6 +98,7 @@ PlyElement ElementFromPoints(const std::vector<IsoPoint>& points) {
   AddNumbers("sample_spacing_m", PlyType::kFloat64, std::move(spacing), &rows);
   AddNumbers("best_projection_ratio", PlyType::kFloat64, std::move(ratio), &rows);
   AddNumbers("predicted_error_mm", PlyType::kFloat64, std::move(error), &rows);
+  AddNumbers("score", PlyType::kFloat64, std::move(score), &rows);
   return rows;
 }
 
@@ -97,6 +110,7 @@ CoverageMap ReadCoverageMap(const std::filesystem::path& path) {
   CoverageMap map;
   map.disk_area_m2 = NumberFromComments(data, "disk_area_m2", path);
   map.min_projection_ratio = NumberFromComments(data, "min_projection_ratio", path);
+  map.target_error_mm = FindInComments(data, "target_error_mm").value_or(0);
   const auto positions = rows.Vectors(kPositionColumns);
   const auto normals = rows.Vectors(kNormalColumns);
   const auto classes = rows.Integers("class", 0, static_cast<int>(CoverageClass::kIgnored));
@@ -104,6 +118,7 @@ CoverageMap ReadCoverageMap(const std::filesystem::path& path) {
   const auto& spacing = rows.Numbers("sample_spacing_m");
   const auto& ratio = rows.Numbers("best_projection_ratio");
   const auto& error = rows.Numbers("predicted_error_mm");
+  const bool has_score = data.FindElement("vertex")->FindScalar("score") != nullptr;
   map.points.resize(rows.NumRows());
   for (std::size_t i = 0; i < map.points.size(); ++i) {
     map.points[i] = {.position = positions[i],
@@ -112,7 +127,8 @@ CoverageMap ReadCoverageMap(const std::filesystem::path& path) {
                      .sample_spacing_m = spacing[i],
                      .num_good_views = views[i],
                      .best_projection_ratio = ratio[i],
-                     .predicted_error_mm = error[i]};
+                     .predicted_error_mm = error[i],
+                     .score = has_score ? rows.Numbers("score")[i] : 0.0};
   }
   return map;
 }
@@ -122,7 +138,8 @@ void WriteCoverageMap(const CoverageMap& map, const std::filesystem::path& path)
   PlyData data;
   data.comments = {"class: 0 uncovered (red), 1 covered (green), 2 ignored (blue)",
                    NumberComment("disk_area_m2", map.disk_area_m2),
-                   NumberComment("min_projection_ratio", map.min_projection_ratio)};
+                   NumberComment("min_projection_ratio", map.min_projection_ratio),
+                   NumberComment("target_error_mm", map.target_error_mm)};
   data.elements.push_back(ElementFromPoints(map.points));
   WritePly(data, path);
 }

@@ -184,6 +184,7 @@ CoverageMap RandomCoverageMap() {
   CoverageMap map;
   map.disk_area_m2 = 0.1 + 1e-17;
   map.min_projection_ratio = 1234.567890123456789;
+  map.target_error_mm = 25.4;
   for (int i = 0; i < 30; ++i) {
     IsoPoint point;
     point.position = RandomVector(&random);
@@ -193,6 +194,7 @@ CoverageMap RandomCoverageMap() {
     point.num_good_views = i;
     point.best_projection_ratio = RandomVector(&random).norm();
     point.predicted_error_mm = i % 4 == 0 ? -1 : RandomVector(&random).norm();
+    point.score = i / 30.0;
     map.points.push_back(point);
   }
   return map;
@@ -205,6 +207,7 @@ TEST(CoverageMapIo, TheMapComesBackExactly) {
   const CoverageMap read = ReadCoverageMap(folder / "coverage.ply");
   EXPECT_EQ(read.disk_area_m2, written.disk_area_m2);
   EXPECT_EQ(read.min_projection_ratio, written.min_projection_ratio);
+  EXPECT_EQ(read.target_error_mm, written.target_error_mm);
   ASSERT_EQ(read.points.size(), written.points.size());
   for (std::size_t i = 0; i < read.points.size(); ++i) {
     EXPECT_EQ(read.points[i].position, written.points[i].position);
@@ -214,6 +217,7 @@ TEST(CoverageMapIo, TheMapComesBackExactly) {
     EXPECT_EQ(read.points[i].num_good_views, written.points[i].num_good_views);
     EXPECT_EQ(read.points[i].best_projection_ratio, written.points[i].best_projection_ratio);
     EXPECT_EQ(read.points[i].predicted_error_mm, written.points[i].predicted_error_mm);
+    EXPECT_EQ(read.points[i].score, written.points[i].score);
   }
   // Another program sees the classes as colours.
   const OrientedPoints seen = ReadOrientedPoints(folder / "coverage.ply");

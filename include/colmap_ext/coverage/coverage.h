@@ -43,6 +43,9 @@ struct CoverageOptions {
   // Standard deviation of a match, px, > 0; scales predicted_error_mm. 0.5: piecewise planar
   // stereo.
   double matching_sigma_px = 0.5;
+  // A point whose predicted error is larger (or that no pair of views sees) is uncovered, mm, >= 0.
+  // 0: the thresholds above decide, as in the paper.
+  double target_error_mm = 0;
   VisibilityOptions visibility;
 
   std::string Check() const;

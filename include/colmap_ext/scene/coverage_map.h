@@ -16,13 +16,15 @@ struct IsoPoint {
   double sample_spacing_m = 0;       // Poisson signal, see Surface
   int num_good_views = 0;            // projection ratio > γ_min and visible
   double best_projection_ratio = 0;  // px² / m², over the views that see it
-  double predicted_error_mm = -1;    // -1: no pair of views sees it
+  double predicted_error_mm = -1;    // of the final model there; -1: no pair of views sees it
+  double score = 0;  // 0 … 1: how sure it is that the final model will be good here
 };
 
 struct CoverageMap {
   std::vector<IsoPoint> points;
   double disk_area_m2 = 0;          // surface area that one iso-point stands for
   double min_projection_ratio = 0;  // γ_min used, px² / m²
+  double target_error_mm = 0;       // predicted errors above it are uncovered; 0: no such rule
 
   std::size_t Count(CoverageClass coverage) const;
   // covered / (covered + uncovered); 1 when there are neither.

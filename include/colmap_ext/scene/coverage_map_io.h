@@ -11,9 +11,10 @@ namespace colmap_ext {
 
 // One vertex an iso-point: x y z nx ny nz (float64), red green blue (uncovered red, covered green,
 // ignored blue), class (uchar, the number of CoverageClass), num_good_views (int),
-// sample_spacing_m, best_projection_ratio, predicted_error_mm (float64). Header comments carry
-// disk_area_m2 and min_projection_ratio. What is read is what was written, to the last bit. Errors
-// name the file, and the point or property.
+// sample_spacing_m, best_projection_ratio, predicted_error_mm, score (float64). Header comments
+// carry disk_area_m2, min_projection_ratio and target_error_mm. What is read is what was written,
+// to the last bit; files without score or target_error_mm have 0 there. Errors name the file, and
+// the point or property.
 CoverageMap ReadCoverageMap(const std::filesystem::path& path);
 void WriteCoverageMap(const CoverageMap& map, const std::filesystem::path& path);
 

@@ -1,9 +1,13 @@
 #include <cstdio>
 
 #include "colmap_ext/coverage/coverage.h"
+#include "colmap_ext/coverage/ortho_map.h"
 #include "colmap_ext/scene/coverage_map_io.h"
 #include "colmap_ext/scene/mesh_io.h"
+#include "colmap_ext/scene/oriented_points_io.h"
 #include "colmap_ext/scene/ply.h"
+#include "colmap_ext/surface/point_normals.h"
+#include "colmap_ext/surface/poisson.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
 #include "command_line.h"
@@ -23,59 +27,96 @@ void CheckPaths(const Paths& paths) {
       {{"input_path", paths.input}, {"mesh_path", paths.mesh}, {"output_path", paths.output}});
 }
 
-// A mesh of unknown origin comes back without signal.
-Surface ReadSurfaceOrMesh(const std::filesystem::path& path, const JobControl& job) {
+struct Options {
+  CoverageOptions coverage;
+  RegionOptions region;
+  SurfaceOptions surface;  // for a cloud
+  OrthoMapOptions ortho_map;
+  int max_width_px = 0;
+};
+
+// Points of another program, with normals or without.
+OrientedPoints ReadCloud(const std::filesystem::path& path, const PhotoSet& photos,
+                         const JobControl& job) {
+  constexpr int kNeighborsOfNormal = 16;
+  const PlyData data = ReadPly(path);
+  const PlyElement* vertices = data.FindElement("vertex");
+  if (vertices != nullptr && vertices->FindScalar("nx") != nullptr) return ReadOrientedPoints(path);
+  job.Info(path.string() + " has no normals: they are estimated, towards the photos");
+  OrientedPoints points;
+  for (const Eigen::Vector3d& position : ReadMesh(path).vertices) {
+    points.emplace_back().position = position;
+  }
+  EstimateNormals(photos.photos, kNeighborsOfNormal, &points);
+  return points;
+}
+
+// A mesh of unknown origin comes back without signal, a cloud as its surface with it.
+Surface ReadSurfaceMeshOrCloud(const std::filesystem::path& path, const PhotoSet& photos,
+                               const RegionOfInterest& region, const Options& options,
+                               const JobControl& job) {
   RequireFile(path, "mesh");
   const PlyData data = ReadPly(path);
   const PlyElement* vertices = data.FindElement("vertex");
   if (vertices != nullptr && vertices->FindScalar("sample_spacing_m") != nullptr) {
     return ReadSurface(path);
   }
-  job.Info(path.string() + " has no sample_spacing_m: views alone decide, the signal is skipped");
   Surface surface;
   surface.mesh = ReadMesh(path);
+  if (surface.mesh.faces.empty()) {
+    job.Info(path.string() + " holds points without triangles: their Poisson surface is judged");
+    return ReconstructSurface(ReadCloud(path, photos, job), region, options.surface, job);
+  }
+  job.Info(path.string() + " has no sample_spacing_m: views alone decide, the signal is skipped");
   return surface;
 }
 
-void WriteResults(const CoverageMap& map, const CoverageOptions& options,
-                  const std::filesystem::path& ply, const std::filesystem::path& json,
+struct OutputFiles {
+  std::filesystem::path ply, json, map;
+};
+
+void WriteResults(const Surface& surface, const CoverageMap& map, const RegionOfInterest& region,
+                  const WorldFrame& frame, const Options& options, const OutputFiles& files,
                   const JobControl& job) {
-  WriteCoverageMap(map, ply);
-  WriteCoverageSummary(map, ThresholdsOf(options), json);
+  WriteCoverageMap(map, files.ply);
+  WriteCoverageSummary(map, ThresholdsOf(options.coverage), files.json);
+  if (frame.is_metric_enu) {
+    WriteOrthoMap(RenderOrthoMap(surface, map, region, options.ortho_map), frame, files.map);
+  }
   char text[160];
   std::snprintf(text, sizeof(text), "coverage: %.1f %% (%zu covered, %zu uncovered, %zu ignored)",
                 100 * map.CoveredRatio(), map.Count(CoverageClass::kCovered),
                 map.Count(CoverageClass::kUncovered), map.Count(CoverageClass::kIgnored));
-  job.Info(std::string(text) + ": " + ply.string());
+  job.Info(std::string(text) + ": " + files.ply.string());
 }
 
-void RunInWorkspace(const Workspace& workspace, const RegionOptions& region_options,
-                    const CoverageOptions& options, int max_width_px, const JobControl& job) {
+void RunInWorkspace(const Workspace& workspace, const Options& options, const JobControl& job) {
   const IterationFiles files = LatestIterationFiles(workspace);
   RequireFile(files.surface_ply(), "surface (surface_reconstructor writes it)");
   const StageTimer timer;
   const Surface surface = ReadSurface(files.surface_ply());
-  const PhotoSet photos = LoadPosesOnly(files.sparse(), max_width_px);
-  const RegionOfInterest region = RegionOfWorkspace(workspace, region_options);
-  const CoverageMap map = EvaluateCoverage(surface, photos.photos, region, options, job);
-  WriteResults(map, options, files.coverage_ply(), files.coverage_json(), job);
-  RecordStageCost(files.timing_json(), "coverage", timer.Stop());
+  const PhotoSet photos = LoadPosesOnly(files.sparse(), options.max_width_px);
+  const RegionOfInterest region = RegionOfWorkspace(workspace, options.region);
+  const CoverageMap map = EvaluateCoverage(surface, photos.photos, region, options.coverage, job);
+  const StageCost cost = timer.Stop();
+  WriteResults(surface, map, region, FrameOrMetric(files.frame_json()), options,
+               {files.coverage_ply(), files.coverage_json(), files.folder / "coverage_map.png"},
+               job);
+  RecordStageCost(files.timing_json(), "coverage", cost);
 }
 
-void RunOnFiles(const Paths& paths, const RegionOptions& region_options,
-                const CoverageOptions& options, int max_width_px, const JobControl& job) {
+void RunOnFiles(const Paths& paths, const Options& options, const JobControl& job) {
   RequireFolder(paths.input, "sparse model");
-  const Surface surface = ReadSurfaceOrMesh(paths.mesh, job);
-  if (surface.mesh.faces.empty()) {
-    throw Error(paths.mesh.string() +
-                ": points without triangles; make a mesh of them with surface_reconstructor");
-  }
-  const PhotoSet photos = LoadPosesOnly(paths.input, max_width_px);
+  const PhotoSet photos = LoadPosesOnly(paths.input, options.max_width_px);
   const WorldFrame frame = FrameOrMetric(paths.input / ".." / "frame.json");
-  const RegionOfInterest region = DefaultRegion(photos, frame, region_options);
+  const RegionOfInterest region = DefaultRegion(photos, frame, options.region);
+  const Surface surface = ReadSurfaceMeshOrCloud(paths.mesh, photos, region, options, job);
   RequireWritableFolder(paths.output, "output folder");
-  const CoverageMap map = EvaluateCoverage(surface, photos.photos, region, options, job);
-  WriteResults(map, options, paths.output / "coverage.ply", paths.output / "coverage.json", job);
+  const CoverageMap map = EvaluateCoverage(surface, photos.photos, region, options.coverage, job);
+  WriteResults(surface, map, region, frame, options,
+               {paths.output / "coverage.ply", paths.output / "coverage.json",
+                paths.output / "coverage_map.png"},
+               job);
 }
 
 }  // namespace
@@ -86,25 +127,26 @@ int RunCoverageEvaluator(const Arguments& arguments, const CancelFlag& cancel) {
       "Tells where the photos suffice for a good model: covered, uncovered, or ignored "
       "outside the region of interest. --workspace_path: the newest iteration. "
       "--input_path, --mesh_path and --output_path: any COLMAP sparse model in metres, "
-      "z up, with any PLY mesh of the scene; coverage.ply and coverage.json go to the "
-      "output folder.");
+      "z up, with any PLY mesh or point cloud of the scene (a fast or a dense one); "
+      "coverage.ply, coverage.json and coverage_map.png, the map from above with its world file, "
+      "go to the output folder.");
   Paths paths;
-  CoverageOptions options;
-  RegionOptions region_options;
-  int max_width_px = 0;
+  Options options;
   line.options().Add("", "workspace_path", &paths.workspace, "folder of a session");
   line.options().Add("", "input_path", &paths.input, "folder of a sparse model");
-  line.options().Add("", "mesh_path", &paths.mesh, "PLY file of a mesh");
+  line.options().Add("", "mesh_path", &paths.mesh, "PLY file of a mesh or of points");
   line.options().Add("", "output_path", &paths.output, "folder to write to");
   line.options().Add(
-      "", "max_image_size_px", &max_width_px,
+      "", "max_image_size_px", &options.max_width_px,
       "judge the photos as though scaled down to this width; 0: as the session does, "
       "or as they are");
-  BindOptions(line.options(), &options);
-  BindOptions(line.options(), &region_options);
+  BindOptions(line.options(), &options.coverage);
+  BindOptions(line.options(), &options.region);
+  BindOptions(line.options(), &options.surface);
+  BindOptions(line.options(), &options.ortho_map);
   if (!line.Parse(arguments)) return 0;
   CheckPaths(paths);
-  if (max_width_px < 0) throw UsageError("--max_image_size_px must not be negative");
+  if (options.max_width_px < 0) throw UsageError("--max_image_size_px must not be negative");
 
   ConsoleSink sink(line.log_level());
   const JobControl job(&sink, &cancel);
@@ -112,10 +154,11 @@ int RunCoverageEvaluator(const Arguments& arguments, const CancelFlag& cancel) {
   if (!paths.workspace.empty()) {
     const Workspace workspace(paths.workspace);
     TakeSessionOptions(workspace, &line.options());
-    RunInWorkspace(workspace, region_options, options,
-                   max_width_px > 0 ? max_width_px : SessionImageWidth(workspace), job);
+    if (options.max_width_px == 0) options.max_width_px = SessionImageWidth(workspace);
+    RunInWorkspace(workspace, options, job);
   } else {
-    RunOnFiles(paths, region_options, options, max_width_px > 0 ? max_width_px : kAsTheyAre, job);
+    if (options.max_width_px == 0) options.max_width_px = kAsTheyAre;
+    RunOnFiles(paths, options, job);
   }
   return 0;
 }

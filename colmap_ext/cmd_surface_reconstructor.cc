@@ -30,6 +30,9 @@ RegionOfInterest RegionOfPoints(const OrientedPoints& points, const RegionOption
   ThrowIfInvalid(options.Check());
   if (!options.box.empty()) return {ParseBox(options.box)};
   RegionOfInterest region;
+  if (!options.polygon_path.empty()) {
+    throw UsageError("a cloud alone has no place on Earth: give --RegionOfInterest.box");
+  }
   for (const OrientedPoint& point : points) {
     if (point.position.allFinite()) region.box.extend(point.position);
   }

@@ -3,6 +3,7 @@
 #include "colmap_ext/scene/json_file.h"
 #include "colmap_ext/scene/photo_scale.h"
 #include "colmap_ext/scene/reconstruction_io.h"
+#include "colmap_ext/scene/region_json.h"
 #include "colmap_ext/session/session_options.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
@@ -57,13 +58,11 @@ PhotoSet LoadPosesOnly(const fs::path& sparse_path, int max_width_px) {
 
 RegionOfInterest RegionOfWorkspace(const Workspace& workspace, const RegionOptions& options) {
   ThrowIfInvalid(options.Check());
-  if (!options.box.empty()) return {ParseBox(options.box)};
-  if (fs::exists(workspace.state_json())) {
+  if (!options.box.empty() && options.polygon_path.empty()) return {ParseBox(options.box)};
+  if (options.polygon_path.empty() && fs::exists(workspace.state_json())) {
     const Json json = ReadJsonFile(workspace.state_json());
     const JsonNode root(json, workspace.state_json());
-    if (const auto region = root.Find("region")) {
-      return {BoundingBox((*region)["min_enu_m"].Vector(), (*region)["max_enu_m"].Vector())};
-    }
+    if (const auto region = root.Find("region")) return RegionFromJson(*region);
   }
   const IterationFiles first{workspace.iteration(0)};
   const IterationFiles files = fs::exists(first.sparse()) ? first : LatestIterationFiles(workspace);

@@ -15,6 +15,7 @@ namespace colmap_ext {
 namespace {
 
 constexpr char kStage[] = "coverage";
+constexpr double kDefaultTargetMm = 50.8;  // 2 inches, the paper's
 
 // The paper's thresholds in the units of the computation.
 struct Thresholds {
@@ -24,9 +25,8 @@ struct Thresholds {
   std::size_t min_good_views = 0;
   double min_cos = 0;  // of the largest angle
   double max_cos = 0;  // of the smallest angle
-  double max_angle_rad = 0;
-  double matching_sigma_px = 0;
   double target_error_mm = 0;
+  ErrorModel error_model;
 };
 
 Thresholds MakeThresholds(const CoverageOptions& options, bool has_signal) {
@@ -39,27 +39,9 @@ Thresholds MakeThresholds(const CoverageOptions& options, bool has_signal) {
   limits.min_good_views = static_cast<std::size_t>(options.min_good_views);
   limits.min_cos = std::cos(DegToRad(options.max_angle_deg));
   limits.max_cos = std::cos(DegToRad(options.min_angle_deg));
-  limits.max_angle_rad = DegToRad(options.max_angle_deg);
-  limits.matching_sigma_px = options.matching_sigma_px;
   limits.target_error_mm = options.target_error_mm;
+  limits.error_model = options.error_model;
   return limits;
-}
-
-std::vector<ViewOfPoint> ViewsOf(const IsoPoint& point, const std::vector<PosedPhoto>& photos,
-                                 const std::vector<Eigen::Vector3d>& centers,
-                                 const VisibilityEngine& engine) {
-  std::vector<ViewOfPoint> views;
-  for (std::size_t i = 0; i < photos.size(); ++i) {
-    const PosedPhoto& photo = photos[i];
-    if (!engine.IsInView(photo.camera, photo.cam_from_world, point.position, point.normal) ||
-        !engine.IsUnoccluded(centers[i], point.position, point.normal)) {
-      continue;
-    }
-    views.push_back(
-        {(centers[i] - point.position).normalized(),
-         ProjectionRatio(photo.camera, photo.cam_from_world, point.position, point.normal)});
-  }
-  return views;
 }
 
 bool HasStereoPair(const std::vector<ViewOfPoint>& views, double min_cos, double max_cos) {
@@ -82,13 +64,9 @@ CoverageClass Classify(double sample_spacing_m, const std::vector<ViewOfPoint>& 
                                                                    : CoverageClass::kUncovered;
 }
 
-// 0.5 where the predicted error is as large as the target (2 inches when there is none).
-double Score(double predicted_error_mm, double target_error_mm) {
-  constexpr double kDefaultTargetMm = 50.8;
-  if (predicted_error_mm < 0) return 0;
-  const double ratio =
-      predicted_error_mm / (target_error_mm > 0 ? target_error_mm : kDefaultTargetMm);
-  return 1 / (1 + ratio * ratio);
+CoverageClass ClassByError(double predicted_mm, double target_mm) {
+  return predicted_mm >= 0 && predicted_mm <= target_mm ? CoverageClass::kCovered
+                                                        : CoverageClass::kUncovered;
 }
 
 void EvaluatePoint(const std::vector<ViewOfPoint>& views, const Thresholds& limits,
@@ -99,36 +77,35 @@ void EvaluatePoint(const std::vector<ViewOfPoint>& views, const Thresholds& limi
     if (view.projection_ratio > limits.min_projection_ratio) good_views.push_back(view);
   }
   point->num_good_views = static_cast<int>(good_views.size());
-  const double error_m = PredictedError(views, limits.matching_sigma_px, limits.max_angle_rad);
-  point->predicted_error_mm = error_m < 0 ? -1.0 : 1000 * error_m;
-  point->score = Score(point->predicted_error_mm, limits.target_error_mm);
-  point->coverage = Classify(point->sample_spacing_m, good_views, limits);
-  if (limits.target_error_mm > 0) {
-    point->coverage = point->score >= 0.5 ? CoverageClass::kCovered : CoverageClass::kUncovered;
-  }
+  const ErrorModel& model = limits.error_model;
+  const double spacing_m = limits.strong_spacing_m > 0 ? point->sample_spacing_m : 0.0;
+  point->predicted_error_mm =
+      PredictErrorMm(CuesOf(views, spacing_m, DegToRad(model.max_angle_deg)), model);
+  point->score =
+      ProbabilityWithin(limits.target_error_mm > 0 ? limits.target_error_mm : kDefaultTargetMm,
+                        point->predicted_error_mm, model);
+  point->coverage = limits.target_error_mm > 0
+                        ? ClassByError(point->predicted_error_mm, limits.target_error_mm)
+                        : Classify(point->sample_spacing_m, good_views, limits);
 }
 
 }  // namespace
 
-double TriangulationError(const ViewOfPoint& first, const ViewOfPoint& second, double sigma_px) {
-  const double squared_s1 = sigma_px * sigma_px / first.projection_ratio;
-  const double squared_s2 = sigma_px * sigma_px / second.projection_ratio;
-  const double squared_sin = first.direction.cross(second.direction).squaredNorm();
-  const double sum = squared_s1 + squared_s2;
-  return std::sqrt(sum / squared_sin + squared_s1 * squared_s2 / sum);
-}
-
-double PredictedError(const std::vector<ViewOfPoint>& views, double sigma_px,
-                      double max_angle_rad) {
-  const double min_cos = std::cos(max_angle_rad);
-  double smallest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    for (std::size_t j = i + 1; j < views.size(); ++j) {
-      if (views[i].direction.dot(views[j].direction) < min_cos) continue;
-      smallest = std::min(smallest, TriangulationError(views[i], views[j], sigma_px));
+std::vector<ViewOfPoint> ViewsOf(const Eigen::Vector3d& position, const Eigen::Vector3d& normal,
+                                 const std::vector<PosedPhoto>& photos,
+                                 const std::vector<Eigen::Vector3d>& centers,
+                                 const VisibilityEngine& engine) {
+  std::vector<ViewOfPoint> views;
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    const PosedPhoto& photo = photos[i];
+    if (!engine.IsInView(photo.camera, photo.cam_from_world, position, normal) ||
+        !engine.IsUnoccluded(centers[i], position, normal)) {
+      continue;
     }
+    views.push_back({(centers[i] - position).normalized(),
+                     ProjectionRatio(photo.camera, photo.cam_from_world, position, normal)});
   }
-  return std::isfinite(smallest) ? smallest : -1.0;
+  return views;
 }
 
 CoverageMap EvaluateCoverage(const Surface& surface, const std::vector<PosedPhoto>& photos,
@@ -153,7 +130,9 @@ CoverageMap EvaluateCoverage(const Surface& surface, const std::vector<PosedPhot
                           point.coverage = CoverageClass::kIgnored;
                           continue;
                         }
-                        EvaluatePoint(ViewsOf(point, photos, centers, engine), limits, &point);
+                        EvaluatePoint(
+                            ViewsOf(point.position, point.normal, photos, centers, engine), limits,
+                            &point);
                       }
                     });
   job.ThrowIfCancelled();

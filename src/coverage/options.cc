@@ -21,12 +21,11 @@ std::string CoverageOptions::Check() const {
   if (!(iso_point_spacing_m >= 0)) {
     return prefix + "iso_point_spacing_m must be >= 0 (0: automatic)";
   }
-  if (!(matching_sigma_px > 0)) return prefix + "matching_sigma_px must be above 0";
   if (!(target_error_mm >= 0) || !std::isfinite(target_error_mm)) {
     return prefix + "target_error_mm must be >= 0 (mm; 0: no such target)";
   }
   const std::string complaint = visibility.Check();
-  return complaint.empty() ? "" : prefix + complaint;
+  return complaint.empty() ? error_model.Check() : prefix + complaint;
 }
 
 double CoverageOptions::MinProjectionRatio() const {
@@ -55,8 +54,6 @@ void BindOptions(OptionSet& set, CoverageOptions* options) {
   set.Add(section, "iso_point_spacing_m", &options->iso_point_spacing_m,
           "distance of the samples of the surface, metres; 0: about 7500 samples");
   set.Add(section, "seed", &options->seed, "seed of the samples");
-  set.Add(section, "matching_sigma_px", &options->matching_sigma_px,
-          "standard deviation of a match, px; scales the predicted error");
   set.Add(section, "target_error_mm", &options->target_error_mm,
           "points with a larger predicted error are uncovered, mm; 0: views and angles decide");
   set.Add(section, "epsilon_m", &options->visibility.epsilon_m,
@@ -65,6 +62,7 @@ void BindOptions(OptionSet& set, CoverageOptions* options) {
           "a surface seen at a larger angle from its normal is not seen, degrees, 0 to 90");
   set.Add(section, "border_px", &options->visibility.border_px,
           "width of the image border that is not used, px");
+  BindOptions(set, &options->error_model);
 }
 
 std::map<std::string, double> ThresholdsOf(const CoverageOptions& options) {

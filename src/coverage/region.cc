@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -152,6 +153,9 @@ void BindOptions(OptionSet& set, RegionOptions* options) {
   set.Add(section, "box", &options->box,
           "x_min,y_min,z_min,x_max,y_max,z_max in the world, metres; empty: what the first photos "
           "look at");
+  set.Add(section, "polygon_path", &options->polygon_path,
+          "GeoJSON file with the polygon that has to be covered (longitude, latitude; without a "
+          "place on Earth local metres)");
   set.Add(section, "margin_ratio", &options->margin_ratio,
           "widens the automatic region on each side, part of its width, 0 to 1");
 }
@@ -197,10 +201,10 @@ std::string FormatBox(const BoundingBox& box) {
   return text;
 }
 
-RegionOfInterest DefaultRegion(const PhotoSet& photos, const WorldFrame& frame,
-                               const RegionOptions& options) {
-  ThrowIfInvalid(options.Check());
-  if (!options.box.empty()) return {ParseBox(options.box)};
+namespace {
+
+BoundingBox AutomaticBox(const PhotoSet& photos, const WorldFrame& frame,
+                         const RegionOptions& options) {
   if (photos.points.size() < kMinPoints) {
     throw Error("the sparse model has only " + std::to_string(photos.points.size()) +
                 " points, too few to find the region of interest; give --RegionOfInterest.box");
@@ -212,7 +216,60 @@ RegionOfInterest DefaultRegion(const PhotoSet& photos, const WorldFrame& frame,
   // Spires and chimneys have few points; above them is only air.
   constexpr double kTopMargin = 0.1;  // part of the height
   if (frame.is_metric_enu) box.max().z() += kTopMargin * box.sizes().z();
-  return {box};
+  return box;
+}
+
+// From the ground to the top of the points above the polygon, widened as the automatic box is.
+void SetHeights(const PhotoSet& photos, const RegionOptions& options, RegionOfInterest* region) {
+  constexpr double kTopMargin = 0.1;
+  const double infinity = std::numeric_limits<double>::infinity();
+  region->box.min().z() = -infinity;
+  region->box.max().z() = infinity;
+  std::vector<WeightedPoint> inside;
+  for (const SupportPoint& point : photos.points) {
+    if (region->Contains(point.position)) inside.push_back({point.position, 1});
+  }
+  if (inside.size() < kMinPoints) {
+    throw Error(options.polygon_path.string() + ": only " + std::to_string(inside.size()) +
+                " sparse points lie in the polygon, too few to find its height; check its "
+                "coordinates, or give --RegionOfInterest.box too");
+  }
+  const BoundingBox bounds = PercentileBounds(inside);
+  const double margin = options.margin_ratio * region->box.sizes().head<2>().maxCoeff();
+  region->box.min().z() = bounds.min().z() - margin;
+  region->box.max().z() = bounds.max().z() + margin + kTopMargin * bounds.sizes().z();
+}
+
+RegionOfInterest RegionOfPolygon(const PhotoSet& photos, const WorldFrame& frame,
+                                 const RegionOptions& options) {
+  RegionOfInterest region;
+  region.rings = ReadPolygon(options.polygon_path, frame);
+  for (const PolygonRing& ring : region.rings) {
+    for (const Eigen::Vector2d& corner : ring)
+      region.box.extend(Eigen::Vector3d(corner.x(), corner.y(), 0));
+  }
+  if (options.box.empty()) {
+    SetHeights(photos, options, &region);
+    return region;
+  }
+  const BoundingBox box = ParseBox(options.box);
+  region.box.min().z() = box.min().z();
+  region.box.max().z() = box.max().z();
+  region.box = region.box.intersection(box);
+  if (region.box.isEmpty()) {
+    throw Error(options.polygon_path.string() + ": the polygon lies outside RegionOfInterest.box");
+  }
+  return region;
+}
+
+}  // namespace
+
+RegionOfInterest DefaultRegion(const PhotoSet& photos, const WorldFrame& frame,
+                               const RegionOptions& options) {
+  ThrowIfInvalid(options.Check());
+  if (!options.polygon_path.empty()) return RegionOfPolygon(photos, frame, options);
+  if (!options.box.empty()) return {ParseBox(options.box)};
+  return {AutomaticBox(photos, frame, options)};
 }
 
 }  // namespace colmap_ext

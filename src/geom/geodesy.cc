@@ -1,6 +1,7 @@
 #include "colmap_ext/geom/geodesy.h"
 
 #include <GeographicLib/LocalCartesian.hpp>
+#include <GeographicLib/UTMUPS.hpp>
 #include <cmath>
 
 namespace colmap_ext {
@@ -24,6 +25,17 @@ GeoPosition GeoFromEnu(const GeoPosition& origin, const Eigen::Vector3d& positio
   frame.Reverse(position_in_enu.x(), position_in_enu.y(), position_in_enu.z(), position.lat_deg,
                 position.lon_deg, position.height_m);
   return position;
+}
+
+int UtmZoneOf(const GeoPosition& position) {
+  return GeographicLib::UTMUPS::StandardZone(position.lat_deg, position.lon_deg);
+}
+
+UtmPosition UtmFromGeo(const GeoPosition& position, int zone) {
+  UtmPosition utm;
+  GeographicLib::UTMUPS::Forward(position.lat_deg, position.lon_deg, utm.zone, utm.is_north,
+                                 utm.easting_m, utm.northing_m, zone);
+  return utm;
 }
 
 }  // namespace colmap_ext

@@ -1,5 +1,6 @@
 #include "colmap_ext/scene/coverage_map_io.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -102,6 +103,29 @@ PlyElement ElementFromPoints(const std::vector<IsoPoint>& points) {
   return rows;
 }
 
+// Of the points that have to be covered.
+Json ErrorSummary(const CoverageMap& map) {
+  std::vector<double> errors;
+  std::size_t none = 0;
+  for (const IsoPoint& point : map.points) {
+    if (point.coverage == CoverageClass::kIgnored) continue;
+    if (point.predicted_error_mm < 0) {
+      ++none;
+    } else {
+      errors.push_back(point.predicted_error_mm);
+    }
+  }
+  std::sort(errors.begin(), errors.end());
+  Json summary = {{"without", none}};
+  if (errors.empty()) return summary;
+  const auto at = [&errors](double part) {
+    return errors[static_cast<std::size_t>(part * static_cast<double>(errors.size() - 1))];
+  };
+  summary["median"] = at(0.5);
+  summary["percentile90"] = at(0.9);
+  return summary;
+}
+
 }  // namespace
 
 CoverageMap ReadCoverageMap(const std::filesystem::path& path) {
@@ -154,6 +178,7 @@ void WriteCoverageSummary(const CoverageMap& map, const std::map<std::string, do
   summary["ignored"] = map.Count(CoverageClass::kIgnored);
   summary["covered_ratio"] = map.CoveredRatio();
   summary["area_m2"] = map.disk_area_m2 * static_cast<double>(covered + uncovered);
+  summary["predicted_error_mm"] = ErrorSummary(map);
   summary["thresholds"] = {{"min_projection_ratio", map.min_projection_ratio}};
   for (const auto& [name, value] : thresholds) summary["thresholds"][name] = value;
   WriteJsonFile(summary, path);

@@ -1,9 +1,66 @@
 #include "colmap_ext/scene/world_frame.h"
 
 #include "colmap_ext/scene/json_file.h"
+#include "colmap_ext/scene/region_json.h"
 #include "colmap_ext/util/error.h"
 
 namespace colmap_ext {
+namespace {
+
+Json ToJson(const Eigen::Vector3d& vector) {
+  return Json::array({vector.x(), vector.y(), vector.z()});
+}
+
+// Whether a ray from the point towards +x crosses the ring an odd number of times.
+bool IsInRing(const PolygonRing& ring, const Eigen::Vector2d& point) {
+  bool is_inside = false;
+  for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
+    const Eigen::Vector2d &a = ring[i], &b = ring[j];
+    if ((a.y() > point.y()) == (b.y() > point.y())) continue;
+    const double x = a.x() + (point.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+    if (point.x() < x) is_inside = !is_inside;
+  }
+  return is_inside;
+}
+
+}  // namespace
+
+bool RegionOfInterest::Contains(const Eigen::Vector3d& point_in_world) const {
+  if (!box.contains(point_in_world)) return false;
+  bool is_inside = rings.empty();
+  for (const PolygonRing& ring : rings) {
+    if (IsInRing(ring, point_in_world.head<2>())) is_inside = !is_inside;
+  }
+  return is_inside;
+}
+
+Json RegionToJson(const RegionOfInterest& region) {
+  Json json = {{"min_enu_m", ToJson(region.box.min())}, {"max_enu_m", ToJson(region.box.max())}};
+  for (const PolygonRing& ring : region.rings) {
+    Json corners = Json::array();
+    for (const Eigen::Vector2d& corner : ring) {
+      corners.push_back(Json::array({corner.x(), corner.y()}));
+    }
+    json["rings_enu_m"].push_back(std::move(corners));
+  }
+  return json;
+}
+
+RegionOfInterest RegionFromJson(const JsonNode& node) {
+  RegionOfInterest region{BoundingBox(node["min_enu_m"].Vector(), node["max_enu_m"].Vector())};
+  if (const auto rings = node.Find("rings_enu_m")) {
+    for (const JsonNode& ring : rings->Items()) {
+      region.rings.emplace_back();
+      for (const JsonNode& corner : ring.Items()) {
+        const std::vector<JsonNode> xy = corner.Items();
+        if (xy.size() != 2) corner.Fail("must be [x, y]");
+        region.rings.back().emplace_back(xy[0].Number(), xy[1].Number());
+      }
+      if (region.rings.back().size() < 3) ring.Fail("must have at least 3 corners");
+    }
+  }
+  return region;
+}
 
 WorldFrame ReadWorldFrame(const std::filesystem::path& path) {
   const Json json = ReadJsonFile(path);

@@ -65,6 +65,7 @@ StageOptions FitToSite(const StageOptions& options, double gsd_mm) {
   StageOptions fitted = options;
   const double factor = gsd_mm / options.coverage.ground_sampling_distance_mm;
   fitted.coverage.ground_sampling_distance_mm = gsd_mm;
+  fitted.surface.ground_sampling_distance_mm = gsd_mm;
   for (double* distance_m :
        {&fitted.nbv.grid_spacing_m, &fitted.nbv.nms_radius_m,
         &fitted.nbv.max_distance_to_existing_m, &fitted.nbv.plane_step_m, &fitted.nbv.max_range_m,

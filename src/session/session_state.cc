@@ -1,15 +1,12 @@
 #include "session/session_state.h"
 
 #include "colmap_ext/scene/json_file.h"
+#include "colmap_ext/scene/region_json.h"
 
 namespace colmap_ext {
 namespace {
 
 constexpr int kVersion = 1;
-
-Json VectorToJson(const Eigen::Vector3d& vector) {
-  return Json::array({vector.x(), vector.y(), vector.z()});
-}
 
 }  // namespace
 
@@ -25,8 +22,7 @@ SessionState ReadSessionState(const std::filesystem::path& path) {
   state.next_view_id = root["next_view_id"].Integer();
   state.finished = root["finished"].Text();
   if (const auto region = root.Find("region")) {
-    state.region = RegionOfInterest{
-        BoundingBox((*region)["min_enu_m"].Vector(), (*region)["max_enu_m"].Vector())};
+    state.region = RegionFromJson(*region);
   }
   if (const auto gsd = root.Find("site_gsd_mm")) state.site_gsd_mm = gsd->Number();
   if (state.iterations_done < 0) root["iterations_done"].Fail("must not be negative");
@@ -39,10 +35,7 @@ void WriteSessionState(const SessionState& state, const std::filesystem::path& p
                {"iterations_done", state.iterations_done},
                {"next_view_id", state.next_view_id},
                {"finished", state.finished}};
-  if (state.region) {
-    json["region"] = {{"min_enu_m", VectorToJson(state.region->box.min())},
-                      {"max_enu_m", VectorToJson(state.region->box.max())}};
-  }
+  if (state.region) json["region"] = RegionToJson(*state.region);
   if (state.site_gsd_mm) json["site_gsd_mm"] = *state.site_gsd_mm;
   WriteJsonFile(json, path);
 }

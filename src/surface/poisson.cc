@@ -27,10 +27,10 @@ struct Grid {
 
 // A surface of area A on cells of edge h has about 1.45 A / h² vertices (measured on spheres).
 double AutomaticResolution(const OrientedPoints& points, const std::vector<std::size_t>& selected,
-                           double extent_m) {
-  constexpr double kWantedVertices = 60000;
+                           const SurfaceOptions& options, double extent_m) {
   const double area = EstimateArea(points, selected, extent_m / 128);
-  return std::sqrt(1.45 * area / kWantedVertices);
+  const double affordable = std::sqrt(1.45 * area / options.max_vertices);
+  return std::max(affordable, 2e-3 * options.ground_sampling_distance_mm);
 }
 
 Grid ChooseGrid(const OrientedPoints& points, const std::vector<std::size_t>& selected,
@@ -46,7 +46,7 @@ Grid ChooseGrid(const OrientedPoints& points, const std::vector<std::size_t>& se
     return grid;
   }
   grid.cell_m = options.resolution_m > 0 ? options.resolution_m
-                                         : AutomaticResolution(points, selected, extent);
+                                         : AutomaticResolution(points, selected, options, extent);
   const double cells = kRootScale * extent / grid.cell_m;
   grid.depth = std::max(kMinDepth, static_cast<int>(std::ceil(std::log2(cells))));
   if (grid.depth > kMaxDepth) {
@@ -98,6 +98,12 @@ std::string SurfaceOptions::Check() const {
     return "SurfaceReconstructor.depth must be 0 (from the resolution) or 4 to 11";
   }
   if (!(resolution_m >= 0)) return "SurfaceReconstructor.resolution_m must be >= 0 (0: automatic)";
+  if (!(ground_sampling_distance_mm >= 0)) {
+    return "SurfaceReconstructor.ground_sampling_distance_mm must be >= 0 (0: not known)";
+  }
+  if (max_vertices < 1000 || max_vertices > 10000000) {
+    return "SurfaceReconstructor.max_vertices must be in [1000, 10^7]";
+  }
   if (!(trim_spacing_m >= 0)) {
     return "SurfaceReconstructor.trim_spacing_m must be >= 0 (0: automatic)";
   }
@@ -117,7 +123,11 @@ void BindOptions(OptionSet& set, SurfaceOptions* options) {
   const std::string section = "SurfaceReconstructor";
   set.Add(section, "depth", &options->depth, "octree depth, 4 to 11; 0: from resolution_m");
   set.Add(section, "resolution_m", &options->resolution_m,
-          "edge of the finest cell, metres; 0: about 60 000 vertices");
+          "edge of the finest cell, metres; 0: two wanted pixels, within max_vertices");
+  set.Add(section, "ground_sampling_distance_mm", &options->ground_sampling_distance_mm,
+          "wanted resolution on the surface, mm a pixel; 0: not known, max_vertices decides");
+  set.Add(section, "max_vertices", &options->max_vertices,
+          "vertices that the automatic resolution aims at, at most");
   set.Add(section, "trim_spacing_m", &options->trim_spacing_m,
           "cut faces whose points are further apart than this, metres; 0: 5 % of the region");
   set.Add(section, "min_component_area_m2", &options->min_component_area_m2,

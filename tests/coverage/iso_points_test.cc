@@ -33,6 +33,31 @@ TEST(SampleIsoPoints, KeepTheirDistanceAndShareTheArea) {
   }
 }
 
+// Blue noise: zones of equal area hold equally many points, far more equally than chance would, on
+// triangles of very different sizes.
+TEST(SampleIsoPoints, DensityIsEvenOverTheSurface) {
+  constexpr int kZones = 8;
+  Surface surface;
+  surface.mesh = Ball({0, 0, 0}, 10, 40);  // its triangles shrink towards the poles
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const IsoPoints iso = SampleIsoPoints(surface, 0, seed);
+    EXPECT_GE(SmallestDistance(iso.points), iso.spacing_m);
+    // Slices of a sphere of equal height have equal areas.
+    std::vector<double> count(kZones, 0.0);
+    for (const IsoPoint& point : iso.points) {
+      const double height = (point.position.z() + 10) / 20;
+      count[std::min<std::size_t>(kZones - 1, static_cast<std::size_t>(height * kZones))] += 1;
+    }
+    const double mean = static_cast<double>(iso.points.size()) / kZones;
+    double squares = 0;
+    for (const double zone : count) {
+      EXPECT_NEAR(zone, mean, 0.1 * mean);
+      squares += (zone - mean) * (zone - mean);
+    }
+    EXPECT_LT(squares / kZones, 0.5 * mean) << "points thrown at random have a variance of 1 mean";
+  }
+}
+
 TEST(SampleIsoPoints, AutomaticSpacingGivesFiveToTenThousand) {
   for (const double radius : {0.5, 20.0}) {
     Surface surface;

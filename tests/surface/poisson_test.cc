@@ -115,6 +115,21 @@ TEST(ReconstructSurface, SignalDoesNotDependOnTheResolution) {
   EXPECT_NEAR(of_coarse, of_fine, 0.15 * of_fine);
 }
 
+TEST(ReconstructSurface, AutomaticCellsAreTwoWantedPixelsWithinTheBudget) {
+  const OrientedPoints points = SpherePoints({100, 0, 0}, 4, 80000, 0.005);
+  const auto num_vertices = [&points](const SurfaceOptions& options) {
+    return static_cast<double>(
+        ReconstructSurface(points, kSphereRegion, options, JobControl()).mesh.vertices.size());
+  };
+  SurfaceOptions by_hand, by_gsd, by_budget;
+  by_hand.resolution_m = 0.3;
+  by_gsd.ground_sampling_distance_mm = 150;
+  EXPECT_EQ(num_vertices(by_gsd), num_vertices(by_hand));
+  by_budget.max_vertices = 4000;
+  by_budget.ground_sampling_distance_mm = 1;  // finer than what can be paid
+  EXPECT_NEAR(num_vertices(by_budget), 4000, 1600);
+}
+
 TEST(ReconstructSurface, FewerConfidentPointsGiveAWeakerSignal) {
   OrientedPoints points;
   AppendPlane(0, 0, 5, 10, 0, 0.1, -1, &points);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "colmap_ext/coverage/error_model.h"
 #include "colmap_ext/coverage/visibility.h"
 #include "colmap_ext/scene/coverage_map.h"
 #include "colmap_ext/scene/photo.h"
@@ -40,12 +41,10 @@ struct CoverageOptions {
   // Distance of the iso-points, metres, >= 0; 0: about 7500 points.
   double iso_point_spacing_m = 0;
   std::uint64_t seed = 1;  // of the iso-points
-  // Standard deviation of a match, px, > 0; scales predicted_error_mm. 0.5: piecewise planar
-  // stereo.
-  double matching_sigma_px = 0.5;
-  // A point whose predicted error is larger (or that no pair of views sees) is uncovered, mm, >= 0.
-  // 0: the thresholds above decide, as in the paper.
+  // A point whose predicted error is larger (or that no photo sees) is uncovered, mm, >= 0. 0: the
+  // thresholds above decide, as in the paper.
   double target_error_mm = 0;
+  ErrorModel error_model;
   VisibilityOptions visibility;
 
   std::string Check() const;
@@ -55,31 +54,17 @@ struct CoverageOptions {
   double StrongSpacing() const;
 };
 
-// Section "Coverage" (the visibility options are in it too).
+// Section "Coverage" (the visibility options are in it too) and "ErrorModel".
 void BindOptions(OptionSet& set, CoverageOptions* options);
 
 // The thresholds of an evaluation by option name, for coverage.json.
 std::map<std::string, double> ThresholdsOf(const CoverageOptions& options);
 
-// One photo's view of an iso-point.
-struct ViewOfPoint {
-  Eigen::Vector3d direction;    // unit, from the point to the camera; world
-  double projection_ratio = 0;  // γ, px² / m²; > 0
-};
-
-// Predicted standard deviation (metres, length of the error vector) of a point triangulated from
-// two views whose rays meet at the angle α:
-//
-//   e² = (s1² + s2²) / sin²α + s1² s2² / (s1² + s2²),   s = sigma_px / sqrt(γ)
-//
-// s is what sigma_px pixels cover on the surface, slant included. e² is the trace of the inverse of
-// Σ (I − d dᵀ) / s², the information of two rays that each fix the point across their direction d.
-// Infinite for parallel rays.
-double TriangulationError(const ViewOfPoint& first, const ViewOfPoint& second, double sigma_px);
-
-// The smallest TriangulationError of the pairs of `views` whose angle is at most max_angle_rad
-// (beyond it matching fails); -1 without such a pair. Views more never make it worse.
-double PredictedError(const std::vector<ViewOfPoint>& views, double sigma_px, double max_angle_rad);
+// The photos that see the place (VisibilityEngine), in their order. `centers`: of the photos.
+std::vector<ViewOfPoint> ViewsOf(const Eigen::Vector3d& position, const Eigen::Vector3d& normal,
+                                 const std::vector<PosedPhoto>& photos,
+                                 const std::vector<Eigen::Vector3d>& centers,
+                                 const VisibilityEngine& engine);
 
 // Classifies iso-points of the surface in the paper's order:
 //   outside the region                                   → ignored
@@ -87,9 +72,11 @@ double PredictedError(const std::vector<ViewOfPoint>& views, double sigma_px, do
 //   fewer than min_good_views views with γ > γ_min       → uncovered
 //   no pair of good views with an angle in [min, max]    → uncovered
 //   else                                                 → covered
+// With a target_error_mm, inside the region the predicted error alone decides.
 // A view of a point is one that VisibilityEngine passes. A surface whose sample_spacing_m is empty
 // has no signal: that stage is skipped. predicted_error_mm uses all views of the point, good or
-// not.
+// not; score is the probability that the true error is within target_error_mm (2 inches when it is
+// 0).
 //
 // With the same surface, a photo more never turns a covered point uncovered. Parallel over points;
 // same input, same map, whatever the number of threads. Throws UsageError for wrong options, Error

@@ -16,7 +16,7 @@ struct IsoPoint {
   double sample_spacing_m = 0;       // Poisson signal, see Surface
   int num_good_views = 0;            // projection ratio > γ_min and visible
   double best_projection_ratio = 0;  // px² / m², over the views that see it
-  double predicted_error_mm = -1;    // of the final model there; -1: no pair of views sees it
+  double predicted_error_mm = -1;    // median, of the final model there; -1: no photo sees it
   double score = 0;  // 0 … 1: how sure it is that the final model will be good here
 };
 

@@ -19,9 +19,11 @@ CoverageMap ReadCoverageMap(const std::filesystem::path& path);
 void WriteCoverageMap(const CoverageMap& map, const std::filesystem::path& path);
 
 // coverage.json: {"covered": n, "uncovered": n, "ignored": n, "covered_ratio": …, "area_m2": …,
-// "thresholds": {"min_projection_ratio": …, …}}. area_m2: the surface that has to be covered, that
-// is covered and uncovered points times disk_area_m2. `thresholds`: those of the evaluation, by
-// option name (min_projection_ratio is added from the map). Written atomically.
+// "predicted_error_mm": {"without": n, "median": …, "percentile90": …} (of the covered and
+// uncovered points; "without": no photo sees them), "thresholds": {"min_projection_ratio":
+// …, …}}. area_m2: the surface that has to be covered, that is covered and uncovered points times
+// disk_area_m2. `thresholds`: those of the evaluation, by option name (min_projection_ratio is
+// added from the map). Written atomically.
 void WriteCoverageSummary(const CoverageMap& map, const std::map<std::string, double>& thresholds,
                           const std::filesystem::path& path);
 

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "colmap_ext/geom/geodesy.h"
 #include "colmap_ext/geom/mesh.h"
@@ -16,12 +17,18 @@ struct WorldFrame {
   std::optional<GeoPosition> origin;
 };
 
-// Axis-aligned part of the world that has to be covered.
+// Corners of a polygon in x and y, metres; the last one is joined to the first.
+using PolygonRing = std::vector<Eigen::Vector2d>;
+
+// The part of the world that has to be covered: a box, and of it only what lies above a polygon
+// when there is one.
 struct RegionOfInterest {
   BoundingBox box;
-  bool Contains(const Eigen::Vector3d& point_in_world) const {
-    return box.contains(point_in_world);
-  }
+  // A place is inside when it lies within an odd number of rings (so holes and several polygons
+  // need no order). Empty: the whole box. `box` bounds them.
+  std::vector<PolygonRing> rings = {};
+
+  bool Contains(const Eigen::Vector3d& point_in_world) const;
 };
 
 WorldFrame ReadWorldFrame(const std::filesystem::path& path);

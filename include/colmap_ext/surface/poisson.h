@@ -16,8 +16,14 @@ struct SurfaceOptions {
   // Octree depth, 4 … 11; the finest cell is then 1.1 extent / 2^depth. 0: from resolution_m.
   int depth = 0;
   // Edge of the finest cell, metres, >= 0. Finer detail is not reconstructed; time grows with
-  // 1 / resolution². 0: so that the surface gets about 60 000 vertices (3 s on one core).
+  // 1 / resolution². 0: two wanted pixels (below), as far as max_vertices allows.
   double resolution_m = 0;
+  // The wanted resolution on the surface, mm a pixel, >= 0: a photo cannot tell finer detail than
+  // two of its pixels, so the cells need not be finer either. 0: not known, max_vertices decides.
+  double ground_sampling_distance_mm = 0;
+  // Vertices that an automatic resolution aims at, at most; [1000, 10^7]. 60 000 take 3 s on one
+  // core.
+  int max_vertices = 60000;
   // Faces whose supporting points are further apart than this are cut off, metres, >= 0. Generous
   // by design: holes in the support must stay closed by surface, or nobody would plan views there;
   // only what Poisson adds far from every point goes. 0: 5 % of the region's diagonal.

@@ -1,0 +1,142 @@
+#include "judged.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "colmap_ext/eval/evaluate.h"
+#include "colmap_ext/geom/point_index.h"
+#include "colmap_ext/scene/mesh_io.h"
+#include "colmap_ext/scene/oriented_points_io.h"
+#include "colmap_ext/scene/reconstruction_io.h"
+
+namespace colmap_ext {
+namespace {
+
+constexpr std::uint64_t kSampleSeed = 3;
+
+std::vector<SurfaceSample> TruthSamples(const Site& site, double spacing_m) {
+  std::vector<bool> in_region(site.truth.faces.size());
+  for (std::size_t f = 0; f < in_region.size(); ++f) {
+    BoundingBox bounds;
+    for (int k = 0; k < 3; ++k) {
+      bounds.extend(site.truth.vertices[static_cast<std::size_t>(site.truth.faces[f][k])]);
+    }
+    in_region[f] = site.region.intersects(bounds);
+  }
+  std::vector<SurfaceSample> samples =
+      SamplePoissonDisk(site.truth, spacing_m, kSampleSeed, in_region);
+  std::erase_if(samples, [&](const SurfaceSample& s) { return !site.region.contains(s.position); });
+  return samples;
+}
+
+// The nearest sample that faces the same way; among the nearest few hundred, else the nearest.
+std::size_t NearestFacing(const PointIndex& index, const std::vector<SurfaceSample>& samples,
+                          const IsoPoint& point) {
+  for (const std::size_t count : {8U, 400U}) {
+    for (const PointNeighbor& neighbor : index.NearestOf(point.position, count)) {
+      const auto i = static_cast<std::size_t>(neighbor.index);
+      if (samples[i].normal.dot(point.normal) > 0) return i;
+    }
+  }
+  return static_cast<std::size_t>(index.NearestOf(point.position, 1).front().index);
+}
+
+double MedianOf(std::vector<double>* values) {
+  const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
+  std::nth_element(values->begin(), middle, values->end());
+  return *middle;
+}
+
+std::vector<double> CloudSpacing(const std::vector<IsoPoint>& points, const OrientedPoints& cloud) {
+  constexpr std::size_t kNeighbors = 25;
+  std::vector<Eigen::Vector3d> positions;
+  for (const OrientedPoint& point : cloud) positions.push_back(point.position);
+  const PointIndex index(positions);
+  std::vector<double> spacing(points.size());
+  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+    const double radius = index.NearestOf(points[i].position, kNeighbors).back().distance;
+    spacing[i] = radius * std::sqrt(M_PI / (kNeighbors - 1.0));
+  });
+  return spacing;
+}
+
+// The samples that an iso-point stands for, by the errors there.
+double TrueError(const PointIndex& index, const std::vector<SurfaceSample>& samples,
+                 const std::vector<double>& errors, std::size_t nearest, double radius_m) {
+  constexpr std::size_t kCandidates = 40;
+  std::vector<double> around;
+  for (const PointNeighbor& neighbor : index.NearestOf(samples[nearest].position, kCandidates)) {
+    const auto i = static_cast<std::size_t>(neighbor.index);
+    if (neighbor.distance > radius_m || samples[i].normal.dot(samples[nearest].normal) <= 0) {
+      continue;
+    }
+    around.push_back(errors[i]);
+  }
+  return MedianOf(&around);
+}
+
+double Unrepresented(const std::vector<SurfaceSample>& samples, const std::vector<IsoPoint>& points,
+                     double reach_m) {
+  std::vector<Eigen::Vector3d> positions;
+  for (const IsoPoint& point : points) positions.push_back(point.position);
+  const PointIndex index(positions);
+  double count = 0;
+  for (const SurfaceSample& sample : samples) {
+    count += !index.Nearest(sample.position, reach_m);
+  }
+  return count / static_cast<double>(samples.size());
+}
+
+}  // namespace
+
+double JudgedFlight::FarShare() const {
+  double far = 0;
+  for (const JudgedPoint& point : points) far += point.distance_to_truth_m > 1.5 * spacing_m;
+  return far / static_cast<double>(std::max<std::size_t>(1, points.size()));
+}
+
+JudgedFlight Judge(const Site& site, const FlightModels& models, const CoverageOptions& options,
+                   const JobControl& job) {
+  const Surface surface = ReadSurface(models.surface);
+  const PhotoSet photos = LoadPhotoSet(ReadReconstruction(models.sparse), "", false);
+  const CoverageMap map = EvaluateCoverage(surface, photos.photos, {site.region}, options, job);
+  CoverageOptions paper_options = options;
+  paper_options.target_error_mm = 0;
+  const CoverageMap paper =
+      EvaluateCoverage(surface, photos.photos, {site.region}, paper_options, job);
+  JudgedFlight judged;
+  judged.spacing_m = std::sqrt(0.7 * map.disk_area_m2);
+  const std::vector<SurfaceSample> samples = TruthSamples(site, judged.spacing_m / 3);
+  std::vector<Eigen::Vector3d> positions, centers;
+  for (const SurfaceSample& sample : samples) positions.push_back(sample.position);
+  for (const PosedPhoto& photo : photos.photos) {
+    centers.push_back(CameraCenter(photo.cam_from_world));
+  }
+  const std::vector<double> errors = DistancesTo(ReadMesh(models.dense_surface), positions);
+  const std::vector<double> cloud_spacing =
+      CloudSpacing(map.points, ReadOrientedPoints(models.fused));
+  const PointIndex index(positions);
+  const VisibilityEngine engine(surface.mesh, options.visibility);
+  std::vector<JudgedPoint> points(map.points.size());
+  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+    const IsoPoint& point = map.points[i];
+    if (point.coverage == CoverageClass::kIgnored) return;
+    const std::size_t nearest = NearestFacing(index, samples, point);
+    points[i] = {point,
+                 TrueError(index, samples, errors, nearest, 0.6 * judged.spacing_m),
+                 (samples[nearest].position - point.position).norm(),
+                 CuesOf(ViewsOf(point.position, point.normal, photos.photos, centers, engine),
+                        point.sample_spacing_m, DegToRad(options.error_model.max_angle_deg)),
+                 paper.points[i].coverage,
+                 cloud_spacing[i]};
+  });
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (map.points[i].coverage != CoverageClass::kIgnored) judged.points.push_back(points[i]);
+  }
+  judged.unrepresented = Unrepresented(samples, map.points, 1.5 * judged.spacing_m);
+  return judged;
+}
+
+}  // namespace colmap_ext

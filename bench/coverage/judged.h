@@ -1,0 +1,39 @@
+// What the map says of each iso-point, and what the dense model made of the truth there.
+#pragma once
+
+#include <vector>
+
+#include "colmap_ext/coverage/coverage.h"
+#include "site.h"
+
+namespace colmap_ext {
+
+struct JudgedPoint {
+  IsoPoint point;
+  double true_error_m = 0;  // of the dense model, over the truth that the point stands for
+  double distance_to_truth_m = 0;
+  ErrorCues cues;  // what the predicted error was made from
+  // Other rules.
+  CoverageClass paper = CoverageClass::kUncovered;  // the paper's classification
+  double cloud_spacing_m = 0;  // 1 / sqrt(points an area) of the fast model's cloud around it
+};
+
+struct JudgedFlight {
+  std::vector<JudgedPoint> points;  // not ignored
+  double spacing_m = 0;             // of the iso-points
+  double unrepresented = 0;         // share of the truth with no iso-point nearer than 1.5 spacings
+
+  // Share of the iso-points whose nearest truth is further than 1.5 spacings: surface that is not
+  // there.
+  double FarShare() const;
+};
+
+// Truth is sampled in the region, three times as closely as the iso-points. What an iso-point
+// stands for is the nearest sample of the truth that faces the same way, however far, and those
+// within 0.6 spacings of that one which face the same way too. Its true error is the median of
+// their distances to the surface of the dense model: "bad" means that half of its disk is bad or
+// missing.
+JudgedFlight Judge(const Site& site, const FlightModels& models, const CoverageOptions& options,
+                   const JobControl& job);
+
+}  // namespace colmap_ext

@@ -1,0 +1,171 @@
+#include "site.h"
+
+#include <Eigen/Geometry>
+#include <cstdio>
+#include <map>
+
+#include "colmap_ext/scene/reconstruction_io.h"
+#include "colmap_ext/scene/true_poses.h"
+#include "colmap_ext/sim/simulated_camera.h"
+#include "colmap_ext/sim/textured_scene.h"
+#include "colmap_ext/util/child_process.h"
+#include "colmap_ext/util/error.h"
+#include "colmap_ext/util/files.h"
+#include "flights.h"
+
+namespace colmap_ext {
+namespace {
+
+namespace fs = std::filesystem;
+
+using Arguments = std::vector<std::string>;
+
+constexpr std::uint64_t kSceneSeed = 1;
+
+std::string Number(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.9g", value);
+  return text;
+}
+
+// Runs `colmap_ext <arguments>` unless `result` is there already.
+void RunUnlessThere(const fs::path& result, Arguments arguments, const fs::path& log,
+                    const JobControl& job) {
+  if (fs::exists(result)) return;
+  ChildProcessOptions options;
+  options.arguments = std::move(arguments);
+  options.arguments.insert(options.arguments.begin(), COLMAP_EXT_PROGRAM);
+  options.log_path = log;
+  fs::create_directories(log.parent_path());
+  if (RunChildProcess(options, job).exit_code != 0) {
+    throw Error("colmap_ext " + options.arguments[1] + " failed; see " + log.string());
+  }
+  if (!fs::exists(result)) throw Error(options.arguments[1] + " did not write " + result.string());
+}
+
+void WritePoseList(const std::vector<PlannedView>& views, const fs::path& path) {
+  std::string text;
+  for (const PlannedView& view : views) {
+    char name[32];
+    std::snprintf(name, sizeof name, "photo_%04d.jpg", view.id);
+    text += name;
+    for (const double value :
+         {view.position.x(), view.position.y(), view.position.z(), RadToDeg(view.direction.yaw_rad),
+          RadToDeg(view.direction.pitch_rad)}) {
+      text += " " + Number(value);
+    }
+    text += "\n";
+  }
+  WriteFileAtomically(path, text);
+}
+
+void RenderPhotos(const Site& site, const fs::path& folder, const SiteOptions& options,
+                  const JobControl& job) {
+  const SimulatedCameraOptions camera;
+  const int height = options.dense_width_px * camera.height / camera.width;
+  for (const bool full : {false, true}) {
+    if (full && options.dense_width_px == camera.width) continue;
+    const fs::path output = folder / (full ? "full" : "low");
+    RunUnlessThere(
+        output / "true_poses.txt",
+        {"scene_renderer", "--scene", site.name, "--scene_seed", std::to_string(kSceneSeed),
+         "--texel_scale", Number(options.texel_scale), "--pose_list_path",
+         (folder / "views.txt").string(), "--output_path", output.string(), "--full_resolution",
+         full ? "1" : "0", "--Simulation.full_width", std::to_string(options.dense_width_px),
+         "--Simulation.full_height", std::to_string(height)},
+        folder / "logs" / "render.log", job);
+  }
+}
+
+void MapPhotos(const fs::path& folder, const JobControl& job) {
+  std::string priors;
+  for (const TruePose& pose : ReadTruePoses(folder / "low" / "true_poses.txt")) {
+    const Eigen::Vector3d center = CameraCenter(pose.cam_from_world);
+    priors += pose.name + " " + Number(center.x()) + " " + Number(center.y()) + " " +
+              Number(center.z()) + "\n";
+  }
+  WriteFileAtomically(folder / "priors.txt", priors);
+  const PinholeCamera camera = SimulatedCameraOptions().LowCamera();
+  RunUnlessThere(
+      folder / "sfm" / "images.bin",
+      {"sparse_updater", "--image_path", (folder / "low" / "images").string(), "--output_path",
+       (folder / "sfm").string(), "--pose_prior_path", (folder / "priors.txt").string(),
+       "--camera_params", Number(camera.fx) + "," + Number(camera.cx) + "," + Number(camera.cy)},
+      folder / "logs" / "sfm.log", job);
+}
+
+// The model brought to the truth by its camera centres; with `true_poses` the photos then get
+// their true poses, and the points stay.
+void WriteModelInTruth(const fs::path& folder, bool true_poses, const fs::path& output) {
+  if (fs::exists(output)) return;
+  const auto pose_of = PoseOfPhoto(ReadTruePoses(folder / "low" / "true_poses.txt"));
+  Reconstruction model = ReadReconstruction(folder / "sfm");
+  const auto count = static_cast<Eigen::Index>(model.images.size());
+  Eigen::Matrix3Xd from(3, count), to(3, count);
+  Eigen::Index k = 0;
+  for (const auto& [id, image] : model.images) {
+    from.col(k) = CameraCenter(image.cam_from_world);
+    to.col(k++) = CameraCenter(pose_of.at(image.name));
+  }
+  TransformReconstruction(EstimateSimilarity(from, to), &model);
+  if (true_poses) {
+    for (auto& [id, image] : model.images) image.cam_from_world = pose_of.at(image.name);
+  }
+  WriteReconstructionBinary(model, output);
+}
+
+}  // namespace
+
+std::string BoxText(const BoundingBox& box) {
+  std::string text;
+  for (const Eigen::Vector3d& corner : {box.min(), box.max()}) {
+    for (int axis = 0; axis < 3; ++axis) text += (text.empty() ? "" : ",") + Number(corner[axis]);
+  }
+  return text;
+}
+
+Site MakeSite(const std::string& scene, const SiteOptions& options) {
+  const TexturedScene textured = MakeScene(scene, kSceneSeed, options.texel_scale);
+  Site site;
+  site.name = scene;
+  site.truth = textured.mesh;
+  site.model = BoundsOf(textured.Truth().model);
+  // As DefaultRegion: a margin of 5 % of the width on each side.
+  const double margin = 0.05 * site.model.sizes().head<2>().maxCoeff();
+  site.region = BoundingBox(site.model.min().array() - margin, site.model.max().array() + margin);
+  return site;
+}
+
+FlightModels MakeFlightModels(const Site& site, const std::string& quality,
+                              const SiteOptions& options, const JobControl& job) {
+  const fs::path folder = options.work_path / site.name / quality;
+  const std::vector<PlannedView> views = FlightOf(quality, site.model, site.is_indoor());
+  WritePoseList(views, folder / "views.txt");
+  RenderPhotos(site, folder, options, job);
+  MapPhotos(folder, job);
+  const std::string poses = options.true_poses ? "true" : "sfm";
+  const fs::path models = folder / (poses + "_poses");
+  FlightModels result{models / "sparse", models / "fused.ply", models / "surface.ply",
+                      models / ("dense_" + std::to_string(options.dense_width_px)) / "surface.ply",
+                      static_cast<int>(views.size())};
+  WriteModelInTruth(folder, options.true_poses, result.sparse);
+  const std::string box = BoxText(site.region);
+  RunUnlessThere(result.fused,
+                 {"superpixel_stereo", "--input_path", result.sparse.string(), "--image_path",
+                  (folder / "low" / "images").string(), "--output_path", models.string()},
+                 folder / "logs" / "stereo.log", job);
+  RunUnlessThere(result.surface,
+                 {"surface_reconstructor", "--input_path", result.fused.string(), "--output_path",
+                  result.surface.string(), "--RegionOfInterest.box", box},
+                 folder / "logs" / "surface.log", job);
+  RunUnlessThere(result.dense_surface,
+                 {"dense_reconstructor", "--backend", "builtin", "--input_path",
+                  result.sparse.string(), "--image_path",
+                  (folder / (fs::exists(folder / "full") ? "full" : "low") / "images").string(),
+                  "--prior_path", (models / "dense").string(), "--output_path",
+                  result.dense_surface.parent_path().string(), "--RegionOfInterest.box", box},
+                 folder / "logs" / "dense.log", job);
+  return result;
+}
+
+}  // namespace colmap_ext

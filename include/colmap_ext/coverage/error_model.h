@@ -1,0 +1,81 @@
+// How wrong the final model will be at a place: a prediction from what the photos see of it and
+// from what the fast stereo found there, calibrated in simulation.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "colmap_ext/util/options.h"
+
+namespace colmap_ext {
+
+// One photo's view of an iso-point.
+struct ViewOfPoint {
+  Eigen::Vector3d direction;    // unit, from the point to the camera; world
+  double projection_ratio = 0;  // γ, px² / m²; > 0
+};
+
+// Predicted standard deviation (metres, length of the error vector) of a point triangulated from
+// two views whose rays meet at the angle α:
+//
+//   e² = (s1² + s2²) / sin²α + s1² s2² / (s1² + s2²),   s = sigma_px / sqrt(γ)
+//
+// s is what sigma_px pixels cover on the surface, slant included. e² is the trace of the inverse of
+// Σ (I − d dᵀ) / s², the information of two rays that each fix the point across their direction d.
+// Infinite for parallel rays.
+double TriangulationError(const ViewOfPoint& first, const ViewOfPoint& second, double sigma_px);
+
+// The smallest TriangulationError of the pairs of `views` whose angle is at most max_angle_rad
+// (beyond it matching fails); -1 without such a pair. Views more never make it worse.
+double PredictedError(const std::vector<ViewOfPoint>& views, double sigma_px, double max_angle_rad);
+
+// What the prediction is made from.
+struct ErrorCues {
+  int num_views = 0;    // that see the place
+  double pixel_mm = 0;  // what a pixel covers there in the best view, slant included: 1000/sqrt(γ)
+  double stereo_mm = -1;  // of the best pair for matches that err by 1 px; -1: no pair
+  double support_mm = 0;  // spacing of the points of the fast stereo (Poisson signal); 0: unknown
+};
+// `max_angle_rad`: of a pair. `sample_spacing_m`: 0 when there is no signal.
+ErrorCues CuesOf(const std::vector<ViewOfPoint>& views, double sample_spacing_m,
+                 double max_angle_rad);
+
+// Median of the true error, in pixels p of the best view:
+//
+//   ê / p = scale · (stereo / p)^a · (support / p)^b · (num_views + 1)^−c
+//
+// and the probability that the true error is at most t: 1 / (1 + (ê / t)^κ). stereo / p counts as
+// max_stereo_px at most, also for a place without a pair; support / p as min_ … max_support_px, and
+// typical_support_px where it is unknown. As a, b, c >= 0 and a + b <= 1, a view more never makes
+// it worse.
+//
+// The constants are those that predict the errors of the built-in dense reconstruction best
+// (logistic regression over eight thresholds from 0.1 to 4 px at once), as
+// `bench_coverage --calibrate 1` prints them (docs/algorithms.md, "Predicted error").
+struct ErrorModel {
+  double scale = 0.334;            // > 0
+  double stereo_exponent = 0.43;   // a, >= 0
+  double support_exponent = 0.55;  // b, >= 0; a + b <= 1
+  double views_exponent = 0.20;    // c, >= 0
+  double steepness = 2.23;         // κ, > 0
+  double max_angle_deg = 40;       // of a pair, (0, 180]; builtin dense stereo: 40
+  double max_stereo_px = 33;       // > 0
+  double min_support_px = 0.37;    // > 0
+  double max_support_px = 148;     // >= min_support_px
+  double typical_support_px = 3;   // > 0
+
+  std::string Check() const;
+};
+
+// Section "ErrorModel".
+void BindOptions(OptionSet& set, ErrorModel* model);
+
+// ê in millimetres; -1 when no photo sees the place.
+double PredictErrorMm(const ErrorCues& cues, const ErrorModel& model);
+
+// Probability that the true error is at most `target_mm` (> 0) where `predicted_mm` is predicted; 0
+// for a negative prediction.
+double ProbabilityWithin(double target_mm, double predicted_mm, const ErrorModel& model);
+
+}  // namespace colmap_ext

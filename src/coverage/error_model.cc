@@ -1,0 +1,109 @@
+#include "colmap_ext/coverage/error_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "colmap_ext/geom/transforms.h"
+
+namespace colmap_ext {
+
+double TriangulationError(const ViewOfPoint& first, const ViewOfPoint& second, double sigma_px) {
+  const double squared_s1 = sigma_px * sigma_px / first.projection_ratio;
+  const double squared_s2 = sigma_px * sigma_px / second.projection_ratio;
+  const double squared_sin = first.direction.cross(second.direction).squaredNorm();
+  const double sum = squared_s1 + squared_s2;
+  return std::sqrt(sum / squared_sin + squared_s1 * squared_s2 / sum);
+}
+
+double PredictedError(const std::vector<ViewOfPoint>& views, double sigma_px,
+                      double max_angle_rad) {
+  const double min_cos = std::cos(max_angle_rad);
+  double smallest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    for (std::size_t j = i + 1; j < views.size(); ++j) {
+      if (views[i].direction.dot(views[j].direction) < min_cos) continue;
+      smallest = std::min(smallest, TriangulationError(views[i], views[j], sigma_px));
+    }
+  }
+  return std::isfinite(smallest) ? smallest : -1.0;
+}
+
+ErrorCues CuesOf(const std::vector<ViewOfPoint>& views, double sample_spacing_m,
+                 double max_angle_rad) {
+  ErrorCues cues;
+  cues.num_views = static_cast<int>(views.size());
+  cues.support_mm = 1000 * sample_spacing_m;
+  double best_ratio = 0;
+  for (const ViewOfPoint& view : views) best_ratio = std::max(best_ratio, view.projection_ratio);
+  if (best_ratio > 0) cues.pixel_mm = 1000 / std::sqrt(best_ratio);
+  const double stereo_m = PredictedError(views, 1.0, max_angle_rad);
+  if (stereo_m >= 0) cues.stereo_mm = 1000 * stereo_m;
+  return cues;
+}
+
+double PredictErrorMm(const ErrorCues& cues, const ErrorModel& model) {
+  if (cues.num_views < 1 || !(cues.pixel_mm > 0)) return -1;
+  const double stereo_px = cues.stereo_mm < 0
+                               ? model.max_stereo_px
+                               : std::min(model.max_stereo_px, cues.stereo_mm / cues.pixel_mm);
+  const double support_px =
+      cues.support_mm > 0
+          ? std::clamp(cues.support_mm / cues.pixel_mm, model.min_support_px, model.max_support_px)
+          : model.typical_support_px;
+  return cues.pixel_mm * model.scale * std::pow(stereo_px, model.stereo_exponent) *
+         std::pow(support_px, model.support_exponent) *
+         std::pow(cues.num_views + 1.0, -model.views_exponent);
+}
+
+double ProbabilityWithin(double target_mm, double predicted_mm, const ErrorModel& model) {
+  if (predicted_mm < 0) return 0;
+  return 1 / (1 + std::pow(predicted_mm / target_mm, model.steepness));
+}
+
+std::string ErrorModel::Check() const {
+  const std::string prefix = "ErrorModel.";
+  if (!(scale > 0)) return prefix + "scale must be above 0";
+  if (!(stereo_exponent >= 0 && support_exponent >= 0 && stereo_exponent + support_exponent <= 1)) {
+    return prefix + "stereo_exponent and support_exponent must be >= 0, together at most 1";
+  }
+  if (!(views_exponent >= 0)) return prefix + "views_exponent must be >= 0";
+  if (!(steepness > 0)) return prefix + "steepness must be above 0";
+  if (!(max_angle_deg > 0 && max_angle_deg <= 180)) {
+    return prefix + "max_angle_deg must be in (0, 180]";
+  }
+  if (!(max_stereo_px > 0 && min_support_px > 0 && typical_support_px > 0)) {
+    return prefix + "max_stereo_px, min_support_px and typical_support_px must be above 0";
+  }
+  if (!(max_support_px >= min_support_px)) {
+    return prefix + "max_support_px must be at least min_support_px";
+  }
+  return "";
+}
+
+void BindOptions(OptionSet& set, ErrorModel* model) {
+  const std::string section = "ErrorModel";
+  set.Add(section, "scale", &model->scale,
+          "predicted error in pixels of the best view where stereo and support are one pixel; half "
+          "of it for a final model from photos of twice the width");
+  set.Add(section, "stereo_exponent", &model->stereo_exponent,
+          "how the error grows with that of the best pair of views, >= 0");
+  set.Add(section, "support_exponent", &model->support_exponent,
+          "how the error grows with the spacing of the points of the fast stereo, >= 0");
+  set.Add(section, "views_exponent", &model->views_exponent,
+          "how the error falls with the number of views, >= 0");
+  set.Add(section, "steepness", &model->steepness,
+          "of the probability that the error is within the target, > 0");
+  set.Add(section, "max_angle_deg", &model->max_angle_deg,
+          "largest angle of a pair of views, degrees");
+  set.Add(section, "max_stereo_px", &model->max_stereo_px,
+          "error of a pair counts as so many pixels at most, and without a pair");
+  set.Add(section, "min_support_px", &model->min_support_px,
+          "spacing of the points counts as so many pixels at least");
+  set.Add(section, "max_support_px", &model->max_support_px,
+          "spacing of the points counts as so many pixels at most");
+  set.Add(section, "typical_support_px", &model->typical_support_px,
+          "spacing of the points in pixels where it is not known (a mesh of unknown origin)");
+}
+
+}  // namespace colmap_ext

@@ -39,17 +39,26 @@ std::vector<Observation> ObservationsOf(const std::vector<JudgedFlight>& flights
   return observations;
 }
 
-// Columns so that row · unknowns > 0 says "more than t". With `sum_is_one` the support's exponent
-// is what the stereo's leaves of 1.
-Row RowOf(const Observation& o, double log_t, bool sum_is_one) {
+// What keeps a view more from ever being harmful.
+struct Bounds {
+  bool sum_is_one = false;  // the support's exponent is what the stereo's leaves of 1
+  bool no_views = false;    // the exponent of the views is 0
+};
+
+// Columns so that row · unknowns > 0 says "more than t".
+Row RowOf(const Observation& o, double log_t, const Bounds& bounds) {
+  const double views = bounds.no_views ? 0.0 : -o.log_views;
   Row row;
-  row << 1, sum_is_one ? o.log_stereo - o.log_support : o.log_stereo,
-      sum_is_one ? 0.0 : o.log_support, -o.log_views, sum_is_one ? o.log_support - log_t : -log_t;
+  if (bounds.sum_is_one) {
+    row << 1, o.log_stereo - o.log_support, 0, views, o.log_support - log_t;
+  } else {
+    row << 1, o.log_stereo, o.log_support, views, -log_t;
+  }
   return row;
 }
 
 // Newton's method on the (convex) negative log-likelihood.
-Row FitLogistic(const std::vector<Observation>& observations, bool sum_is_one) {
+Row FitLogistic(const std::vector<Observation>& observations, const Bounds& bounds) {
   constexpr int kIterations = 25;
   constexpr double kRidge = 1e-6;
   Row unknowns = Row::Zero();
@@ -59,7 +68,7 @@ Row FitLogistic(const std::vector<Observation>& observations, bool sum_is_one) {
     Row gradient = -kRidge * unknowns;
     for (const Observation& o : observations) {
       for (const double t : kThresholdsPx) {
-        const Row row = RowOf(o, std::log(t), sum_is_one);
+        const Row row = RowOf(o, std::log(t), bounds);
         const double p = 1 / (1 + std::exp(-std::clamp(row.dot(unknowns), -30.0, 30.0)));
         const double y = o.log_error > std::log(t) ? 1 : 0;
         gradient += o.weight * (y - p) * row;
@@ -75,10 +84,15 @@ Row FitLogistic(const std::vector<Observation>& observations, bool sum_is_one) {
 
 ErrorModel FitErrorModel(const std::vector<JudgedFlight>& flights, const ErrorModel& model) {
   const std::vector<Observation> observations = ObservationsOf(flights, model);
-  Row unknowns = FitLogistic(observations, false);
-  const bool sum_is_one = unknowns[1] + unknowns[2] > unknowns[4];
-  if (sum_is_one) {
-    unknowns = FitLogistic(observations, true);
+  Bounds bounds;
+  Row unknowns = FitLogistic(observations, bounds);
+  if (unknowns[3] < 0) {
+    bounds.no_views = true;
+    unknowns = FitLogistic(observations, bounds);
+  }
+  if (unknowns[1] + unknowns[2] > unknowns[4]) {
+    bounds.sum_is_one = true;
+    unknowns = FitLogistic(observations, bounds);
     unknowns[2] = unknowns[4] - unknowns[1];
   }
   ErrorModel fitted = model;

@@ -11,8 +11,9 @@ namespace colmap_ext {
 // Logistic regression of "the true error is more than t pixels of the best view", for eight t from
 // 0.1 to 4 at once, on the logarithms of stereo, support (bounded as in `model`) and views: the
 // same weights for all t, so that one line of ln t says where the median lies. Every flight weighs
-// the same. When stereo_exponent + support_exponent would exceed 1, it is fitted again with their
-// sum at 1. Bounds and max_angle_deg stay as they are in `model`.
+// the same. When stereo_exponent + support_exponent would exceed 1 it is fitted again with their
+// sum at 1, and without the views when their exponent would be negative. Bounds and max_angle_deg
+// stay as they are in `model`.
 ErrorModel FitErrorModel(const std::vector<JudgedFlight>& flights, const ErrorModel& model);
 
 void ReportErrorModel(const std::string& name, const ErrorModel& model, BenchReport* report);

@@ -258,7 +258,9 @@ TEST(EvaluateCoverage, ScoreIsOneHalfAtTheTarget) {
   for (const IsoPoint& point : map.points) {
     EXPECT_EQ(point.score >= 0.5, point.coverage == CoverageClass::kCovered);
     EXPECT_EQ(point.score == 0, point.predicted_error_mm < 0);
-    if (IsInMiddle(point)) EXPECT_NEAR(point.score, 0.5, 0.1);
+    if (IsInMiddle(point)) {
+      EXPECT_NEAR(point.score, 0.5, 0.1);
+    }
   }
 }
 

@@ -51,19 +51,19 @@ ErrorCues CuesOf(const std::vector<ViewOfPoint>& views, double sample_spacing_m,
 // it worse.
 //
 // The constants are those that predict the errors of the built-in dense reconstruction best
-// (logistic regression over eight thresholds from 0.1 to 4 px at once), as
-// `bench_coverage --calibrate 1` prints them (docs/algorithms.md, "Predicted error").
+// (logistic regression over eight thresholds from 0.1 to 4 px at once; docs/algorithms.md,
+// "Predicted error", names the flights). `bench_coverage --calibrate 1` fits them anew.
 struct ErrorModel {
-  double scale = 0.334;            // > 0
-  double stereo_exponent = 0.43;   // a, >= 0
-  double support_exponent = 0.55;  // b, >= 0; a + b <= 1
-  double views_exponent = 0.20;    // c, >= 0
-  double steepness = 2.23;         // κ, > 0
-  double max_angle_deg = 40;       // of a pair, (0, 180]; builtin dense stereo: 40
-  double max_stereo_px = 33;       // > 0
-  double min_support_px = 0.37;    // > 0
-  double max_support_px = 148;     // >= min_support_px
-  double typical_support_px = 3;   // > 0
+  double scale = 0.267;             // > 0
+  double stereo_exponent = 0.249;   // a, >= 0
+  double support_exponent = 0.237;  // b, >= 0; a + b <= 1
+  double views_exponent = 0;        // c, >= 0; beside stereo and support the count tells no more
+  double steepness = 2.59;          // κ, > 0
+  double max_angle_deg = 40;        // of a pair, (0, 180]; DenseStereo.max_angle_deg
+  double max_stereo_px = 33;        // > 0
+  double min_support_px = 0.37;     // > 0
+  double max_support_px = 148;      // >= min_support_px
+  double typical_support_px = 4;    // > 0; the median of flights that are dense enough
 
   std::string Check() const;
 };

@@ -1,6 +1,7 @@
 // Every target with its kept corpus, and with mutations of it, the same in every run.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <random>
 #include <string>
@@ -15,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr int kMutations = 20000;
+constexpr int kMutations = 100000;
 
 class Fuzz : public testing::TestWithParam<FuzzTarget> {
  protected:

@@ -1,7 +1,8 @@
 #include <algorithm>
+#include <cmath>
 
 #include "colmap_ext/coverage/coverage.h"
-#include "colmap_ext/nbv/plane_sweep.h"
+#include "colmap_ext/nbv/next_best_views.h"
 #include "colmap_ext/path/path_planner.h"
 #include "colmap_ext/scene/coverage_map_io.h"
 #include "colmap_ext/scene/mesh_io.h"
@@ -30,7 +31,9 @@ void CheckPaths(const Paths& paths) {
 std::string Describe(const ViewPlanResult& plan) {
   return "view_planner: " + std::to_string(plan.views.size()) + " views; " +
          std::to_string(plan.uncovered) + " iso-points uncovered, " +
-         std::to_string(plan.reachable_uncovered) + " of them reachable" +
+         std::to_string(plan.reachable_uncovered) + " of them reachable" + "; a tour of " +
+         std::to_string(std::lround(plan.tour_length_m)) + " m, " +
+         std::to_string(std::lround(plan.tour_duration_s)) + " s" +
          (plan.stop_reason.empty() ? "" : "; " + plan.stop_reason);
 }
 
@@ -83,11 +86,21 @@ int RunViewPlanner(const Arguments& arguments, const CancelFlag& cancel) {
   const PlanningInputs inputs = ReadPlanningInputs(paths.input, paths.mesh, max_width_px);
   const std::vector<PosedPhoto>& photos = inputs.photos.photos;
   options.visibility = coverage_options.visibility;
-  const ViewPlanResult plan =
-      PlanNextViews(ReadCoverageMap(paths.coverage), inputs.surface, photos, photos.front().camera,
-                    first_id, options, job,
-                    FlyablePositions(inputs.surface, photos,
-                                     CameraCenter(photos.back().cam_from_world), path_options));
+  options.speed_m_s = path_options.speed_m_s;
+  options.yaw_rate_deg_s = path_options.yaw_rate_deg_s;
+  options.hover_s = path_options.hover_s;
+  ReadZones(inputs.frame, &path_options);
+  const CoverageMap coverage = ReadCoverageMap(paths.coverage);
+  ViewPlanInput input{coverage, inputs.surface, photos};
+  input.camera = photos.front().camera;
+  input.first_id = first_id;
+  input.points = &inputs.photos.points;
+  input.start = CameraCenter(photos.back().cam_from_world);
+  input.may_fly = FlyablePositions(inputs.surface, photos, *input.start, path_options);
+  input.limits = &path_options.limits;
+  input.limits_margin_m = path_options.position_error_m;
+  const ViewPlanResult plan = PlanNextViews(input, options, job);
+  if (!plan.explanation.empty()) job.Warn("view_planner: " + plan.explanation);
   WriteViews(plan.views, inputs.frame, paths.output);
   job.Info(Describe(plan) + ": " + paths.output.string());
   return 0;

@@ -1,15 +1,13 @@
-#include "colmap_ext/nbv/plane_sweep.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
 
-#include "colmap_ext/util/error.h"
 #include "nbv/candidates.h"
+#include "nbv/feature_overlap.h"
 #include "nbv/reachability.h"
-#include "nbv/uncovered_points.h"
+#include "nbv/strategies.h"
 
 namespace colmap_ext {
 namespace {
@@ -20,40 +18,27 @@ struct Plane {
   double best_score = 0;  // weighted
 };
 
-std::vector<double> EvenPitches(const NextBestViewOptions& options) {
-  std::vector<double> pitches;
-  const int last = options.num_pitches - 1;
-  for (int i = 0; i <= last; ++i) {
-    const double t = last == 0 ? 0.5 : static_cast<double>(i) / last;
-    pitches.push_back(
-        DegToRad(options.min_pitch_deg + t * (options.max_pitch_deg - options.min_pitch_deg)));
-  }
-  return pitches;
-}
-
-std::vector<double> EvenYaws(int num_yaws) {
-  std::vector<double> yaws;
-  for (int i = 0; i < num_yaws; ++i) yaws.push_back(NormalizeAngle(2 * M_PI * i / num_yaws));
-  return yaws;
-}
-
-double LowestAltitude(const CoverageMap& coverage, const NextBestViewOptions& options) {
-  double lowest = std::numeric_limits<double>::infinity();
-  for (const IsoPoint& point : coverage.points) {
-    if (point.coverage != CoverageClass::kIgnored) lowest = std::min(lowest, point.position.z());
-  }
-  return lowest + options.min_altitude_m;
-}
-
-// Height of the highest uncovered point that can be reached; nullopt when none can.
-std::optional<double> HighestReachable(const UncoveredPoints& points,
-                                       const std::vector<std::optional<ReachingView>>& reaching) {
+// Height of the highest of the points for which `counts`; nullopt when there is none.
+template <typename Counts>
+std::optional<double> HighestPoint(const UncoveredPoints& points, const Counts& counts) {
   std::optional<double> highest;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!reaching[i]) continue;
+    if (!counts(i)) continue;
     highest = std::max(highest.value_or(points.position(i).z()), points.position(i).z());
   }
   return highest;
+}
+
+void AddChosenView(const SearchContext& context, const Candidate& chosen, FeatureOverlap* overlap,
+                   ViewPlanResult* result) {
+  PlannedView view;
+  view.position = chosen.position;
+  view.direction = chosen.direction;
+  view.score = PlainScore(chosen);
+  result->views.push_back(view);
+  const bool is_asked = overlap != nullptr && context.options.min_shared_features > 0;
+  result->shared_features.push_back(is_asked ? overlap->AddView(view.position, view.direction)
+                                             : -1);
 }
 
 // The search on all planes for one plan.
@@ -61,8 +46,13 @@ class PlaneSweep {
  public:
   // `highest_point_m`: height of the highest uncovered point, z of the world.
   PlaneSweep(const SearchContext& context, double highest_point_m, std::vector<Anchor> anchors,
-             UncoveredPoints* points, const JobControl& job)
-      : context_(context), points_(points), anchors_(std::move(anchors)), job_(job) {
+             UncoveredPoints* points, FeatureOverlap* overlap, const JobControl& job)
+      : context_(context),
+        points_(points),
+        overlap_(overlap),
+        anchors_(std::move(anchors)),
+        job_(job),
+        step_(context.options.paper_only ? 1 : context.options.coarse_step) {
     for (std::size_t p = 0; p < context.pitches_rad.size(); ++p) AddPlanes(p, highest_point_m);
   }
 
@@ -70,17 +60,20 @@ class PlaneSweep {
   void Run(ViewPlanResult* result) {
     const auto wanted = static_cast<std::size_t>(context_.options.num_views);
     bool is_first = result->views.empty();
+    int failures = 0;
     for (bool again = true; again && result->views.size() < wanted;
-         again = context_.options.several_planes) {
-      ScorePlanes();
-      const Plane* plane = ChoosePlane();
+         again = context_.options.several_planes && !context_.options.paper_only) {
+      const Plane* plane = BestPlane();
       if (plane == nullptr) return;
       if (is_first) {
         result->pitch_rad = context_.pitches_rad[plane->pitch_index];
         result->altitude_m = plane->altitude_m;
       }
       is_first = false;
-      if (!ChooseViews(*plane, wanted, &result->views)) return;
+      // Where SfM could register none of a plane's views, the next one may do better.
+      constexpr int kMaxFailures = 6;
+      failures = ChooseViews(*plane, wanted, result) ? 0 : failures + 1;
+      if (failures > kMaxFailures) return;
     }
   }
 
@@ -91,6 +84,11 @@ class PlaneSweep {
   void AddPlanes(std::size_t pitch_index, double highest_point_m) {
     const double pitch = context_.pitches_rad[pitch_index];
     const NextBestViewOptions& options = context_.options;
+    const double papers = highest_point_m - options.safe_distance_m * std::sin(pitch);
+    if (options.paper_only) {
+      planes_.push_back({pitch_index, papers, 0});
+      return;
+    }
     double lowest = std::numeric_limits<double>::infinity();
     double highest = -lowest;
     for (const Anchor& anchor : anchors_) {
@@ -101,8 +99,7 @@ class PlaneSweep {
     lowest = std::max(lowest, context_.lowest_altitude_m);
     if (options.max_altitude_m != 0) highest = std::min(highest, options.max_altitude_m);
     if (!(lowest <= highest)) return;
-    const double first =
-        std::clamp(highest_point_m - options.safe_distance_m * std::sin(pitch), lowest, highest);
+    const double first = std::clamp(papers, lowest, highest);
     const double step = options.plane_step_m;
     planes_.push_back({pitch_index, first, 0});
     for (double k = std::ceil(first / step) - 1; k * step >= lowest; --k) {
@@ -113,7 +110,19 @@ class PlaneSweep {
     }
   }
 
-  // Fills in every plane's best score. Planes at one altitude are evaluated together.
+  // The plane that is next; where the coarse grid shows nothing, the full one is searched.
+  const Plane* BestPlane() {
+    ScorePlanes();
+    const Plane* plane = ChoosePlane();
+    if (plane != nullptr || step_ == 1) return plane;
+    step_ = 1;
+    places_.clear();
+    ScorePlanes();
+    return ChoosePlane();
+  }
+
+  // Fills in every plane's best score. Planes at one altitude are evaluated together; what is
+  // visible from their positions is kept for the next time.
   void ScorePlanes() {
     std::map<double, std::vector<Plane*>> by_altitude;
     for (Plane& plane : planes_) by_altitude[plane.altitude_m].push_back(&plane);
@@ -122,8 +131,14 @@ class PlaneSweep {
       job_.ThrowIfCancelled();
       std::vector<double> pitches;
       for (const Plane* plane : planes) pitches.push_back(context_.pitches_rad[plane->pitch_index]);
-      const std::vector<double> best =
-          BestScoresOnPlane(context_, *points_, anchors_, altitude, pitches);
+      auto known = places_.find(altitude);
+      if (known == places_.end()) {
+        known = places_
+                    .emplace(altitude,
+                             PlacesOnPlane(context_, *points_, anchors_, altitude, pitches, step_))
+                    .first;
+      }
+      const std::vector<double> best = BestScores(context_, *points_, known->second, pitches);
       for (std::size_t i = 0; i < planes.size(); ++i) planes[i]->best_score = best[i];
       job_.Progress("next best views", ++done, by_altitude.size());
     }
@@ -138,6 +153,7 @@ class PlaneSweep {
     }
     std::vector<const Plane*> accepted(context_.pitches_rad.size(), nullptr);
     for (const Plane& plane : planes_) {
+      if (IsUsedUp(plane)) continue;
       const Plane*& of_pitch = accepted[plane.pitch_index];
       const double least = context_.options.min_relative_score * best_of_pitch[plane.pitch_index];
       if (of_pitch == nullptr && plane.best_score > 0 && plane.best_score >= least) {
@@ -152,70 +168,88 @@ class PlaneSweep {
     return chosen;
   }
 
-  // Local maxima with non-maximum suppression: again and again the best candidate that is not near
-  // to a chosen one. Returns whether any was chosen.
-  bool ChooseViews(const Plane& plane, std::size_t wanted, std::vector<PlannedView>* views) {
+  bool IsUsedUp(const Plane& plane) const {
+    return std::find(used_up_.begin(), used_up_.end(), &plane) != used_up_.end();
+  }
+
+  std::vector<Candidate> CandidatesOn(const Plane& plane) const {
     const std::vector<double> pitch = {context_.pitches_rad[plane.pitch_index]};
-    std::vector<Candidate> candidates =
-        EvaluatePlane(context_, *points_, anchors_, plane.altitude_m, pitch);
+    return CandidatesOf(context_, *points_,
+                        PlacesOnPlane(context_, *points_, anchors_, plane.altitude_m, pitch, 1));
+  }
+
+  // Local maxima with non-maximum suppression: again and again the best candidate that is not near
+  // to a chosen one and can be registered. Returns whether any was chosen.
+  bool ChooseViews(const Plane& plane, std::size_t wanted, ViewPlanResult* result) {
+    std::vector<Candidate> candidates = CandidatesOn(plane);
     bool any = false;
-    while (views->size() < wanted) {
-      const Candidate* best = BestApartFrom(*views, candidates);
+    while (result->views.size() < wanted) {
+      const Candidate* best = BestApartFrom(result->views, &candidates);
       if (best == nullptr) break;
       any = true;
-      PlannedView view;
-      view.position = best->position;
-      view.direction = best->direction;
-      view.score = PlainScore(*best);
-      views->push_back(view);
+      const Anchor chosen{best->position, best->direction};
       for (const SeenPoint& seen : best->seen) points_->AddGoodView(seen.point, best->position);
-      if (context_.options.chain_views) {
-        anchors_.push_back({view.position, view.direction});
-        candidates = EvaluatePlane(context_, *points_, anchors_, plane.altitude_m, pitch);
+      AddChosenView(context_, *best, overlap_, result);
+      if (context_.options.chain_views && !context_.options.paper_only) {
+        anchors_.push_back(chosen);
+        places_.clear();
+        candidates = CandidatesOn(plane);
       }
     }
+    used_up_.push_back(&plane);
     return any;
   }
 
+  // Candidates that share too few features lose what they see.
   const Candidate* BestApartFrom(const std::vector<PlannedView>& views,
-                                 const std::vector<Candidate>& candidates) const {
-    const Candidate* best = nullptr;
-    double best_score = 0;
-    for (const Candidate& candidate : candidates) {
-      const bool is_suppressed =
-          std::any_of(views.begin(), views.end(), [&](const PlannedView& view) {
-            return (view.position - candidate.position).norm() <= context_.options.nms_radius_m;
-          });
-      if (is_suppressed) continue;
-      const double score = WeightedScore(candidate, *points_);
-      if (score > best_score) {
-        best = &candidate;
-        best_score = score;
+                                 std::vector<Candidate>* candidates) const {
+    for (;;) {
+      Candidate* best = nullptr;
+      double best_score = 0;
+      for (Candidate& candidate : *candidates) {
+        const bool is_suppressed =
+            std::any_of(views.begin(), views.end(), [&](const PlannedView& view) {
+              return (view.position - candidate.position).norm() <= context_.options.nms_radius_m;
+            });
+        if (is_suppressed) continue;
+        const double score = WeightedScore(context_, candidate, *points_);
+        if (score > best_score) {
+          best = &candidate;
+          best_score = score;
+        }
       }
+      if (best == nullptr) return nullptr;
+      FeatureOverlap::Sight sight;
+      if (overlap_ == nullptr || overlap_->IsEnough(best->position, best->direction, &sight)) {
+        return best;
+      }
+      best->seen.clear();
     }
-    return best;
   }
 
   const SearchContext& context_;
   UncoveredPoints* points_;
+  FeatureOverlap* overlap_;  // null: not asked
   std::vector<Anchor> anchors_;
   const JobControl& job_;
+  int step_;
   std::vector<Plane> planes_;
+  std::vector<const Plane*> used_up_;
+  std::map<double, std::vector<PlanePlace>> places_;  // by altitude
 };
 
-// Adds the bridge's views to the plan, to the anchors, and as good views to what they see.
+// Adds the bridge's views to the plan, to the anchors, and as good views to what they see; stops
+// before one that could not be registered.
 void AddBridge(const SearchContext& context,
                const std::vector<std::optional<ReachingView>>& reaching,
-               std::vector<Anchor>* anchors, UncoveredPoints* points, ViewPlanResult* result) {
+               std::vector<Anchor>* anchors, UncoveredPoints* points, FeatureOverlap* overlap,
+               ViewPlanResult* result) {
   for (const ReachingView& step : FindBridge(context, *anchors, reaching)) {
-    const Candidate candidate =
-        EvaluatePosition(context, *points, step.position, {step.direction}).front();
+    FeatureOverlap::Sight sight;
+    if (!overlap->IsEnough(step.position, step.direction, &sight)) break;
+    const Candidate candidate = EvaluateCandidate(context, *points, step.position, step.direction);
     for (const SeenPoint& seen : candidate.seen) points->AddGoodView(seen.point, step.position);
-    PlannedView view;
-    view.position = step.position;
-    view.direction = step.direction;
-    view.score = PlainScore(candidate);
-    result->views.push_back(view);
+    AddChosenView(context, candidate, overlap, result);
     result->pitch_rad = step.direction.pitch_rad;
     result->altitude_m = step.position.z();
     result->is_bridge = true;
@@ -223,58 +257,40 @@ void AddBridge(const SearchContext& context,
   for (const PlannedView& view : result->views) anchors->push_back({view.position, view.direction});
 }
 
+void RunPaper(const SearchContext& context, UncoveredPoints* points,
+              const std::vector<Anchor>& anchors, const JobControl& job, ViewPlanResult* result) {
+  const auto highest_m = HighestPoint(*points, [](std::size_t) { return true; });
+  result->reachable_uncovered = points->size();
+  PlaneSweep(context, *highest_m, anchors, points, nullptr, job).Run(result);
+}
+
 }  // namespace
 
-ViewPlanResult PlanNextViews(const CoverageMap& coverage, const TriangleMesh& surface,
-                             const std::vector<PosedPhoto>& existing, const PinholeCamera& camera,
-                             int first_id, const NextBestViewOptions& options,
-                             const JobControl& job,
-                             const std::function<bool(const Eigen::Vector3d&)>& may_fly) {
-  ThrowIfInvalid(options.Check());
-  if (existing.empty())
-    throw Error("next best views: there are no registered photos to go on from");
-  ViewPlanResult result;
-  UncoveredPoints points(coverage, options);
-  result.uncovered = points.size();
-  if (points.size() == 0) {
-    result.stop_reason = "covered";
-    return result;
+void RunPlaneSweep(const SearchContext& context, const std::vector<Anchor>& given,
+                   const JobControl& job, ViewPlanResult* result) {
+  const CoverageMap& coverage = context.input.coverage;
+  UncoveredPoints points(coverage, IndicesOfUncovered(coverage), context.options);
+  if (context.options.paper_only) {
+    RunPaper(context, &points, given, job, result);
+    return;
   }
-
-  const VisibilityEngine engine(surface, options.visibility);
-  const SearchContext context{options,
-                              camera,
-                              engine,
-                              coverage.min_projection_ratio,
-                              LowestAltitude(coverage, options),
-                              EvenPitches(options),
-                              EvenYaws(options.num_yaws),
-                              may_fly};
-  std::vector<Anchor> anchors;
-  for (const PosedPhoto& photo : existing) {
-    anchors.push_back({CameraCenter(photo.cam_from_world), ViewDirectionOf(photo.cam_from_world)});
-  }
-  points.AddExistingViews(existing, engine, coverage.min_projection_ratio);
+  std::vector<Anchor> anchors = given;
+  points.AddExistingViews(context.input.existing, context.engine, coverage.min_projection_ratio);
   const auto reaching = FindReachingViews(context, points, anchors);
-  result.reachable_uncovered = static_cast<std::size_t>(std::count_if(
+  result->reachable_uncovered = static_cast<std::size_t>(std::count_if(
       reaching.begin(), reaching.end(), [](const auto& view) { return view.has_value(); }));
   job.ThrowIfCancelled();
+  const auto highest_m =
+      HighestPoint(points, [&](std::size_t i) { return reaching[i].has_value(); });
+  if (!highest_m) return;
 
-  const std::optional<double> highest_point_m = HighestReachable(points, reaching);
-  if (highest_point_m) {
-    PlaneSweep(context, *highest_point_m, anchors, &points, job).Run(&result);
-    if (result.views.empty() && options.bridge) {
-      AddBridge(context, reaching, &anchors, &points, &result);
-      if (result.is_bridge) {
-        PlaneSweep(context, *highest_point_m, anchors, &points, job).Run(&result);
-      }
-    }
+  FeatureOverlap overlap(context);
+  PlaneSweep(context, *highest_m, anchors, &points, &overlap, job).Run(result);
+  if (!result->views.empty() || !context.options.bridge) return;
+  AddBridge(context, reaching, &anchors, &points, &overlap, result);
+  if (result->is_bridge) {
+    PlaneSweep(context, *highest_m, anchors, &points, &overlap, job).Run(result);
   }
-  if (result.views.empty()) result.stop_reason = "nothing_reachable";
-  for (std::size_t i = 0; i < result.views.size(); ++i) {
-    result.views[i].id = first_id + static_cast<int>(i);
-  }
-  return result;
 }
 
 }  // namespace colmap_ext

@@ -87,7 +87,8 @@ std::optional<ReachingView> FirstReachingView(const SearchContext& context,
   const Eigen::Vector3d& point = points.position(i);
   const Eigen::Vector3d& normal = points.normal(i);
   for (const Eigen::Vector3d& position : positions) {
-    if (!fan.LookAt(position, point, normal) || points.WeightFrom(i, position) <= 0 ||
+    if (!fan.IsInReach(position, point, normal) || !fan.LookAt(position, point, normal) ||
+        points.WeightFrom(i, position) <= 0 ||
         !context.engine.IsUnoccluded(position, point, normal)) {
       continue;
     }
@@ -132,17 +133,22 @@ std::vector<ReachingView> ChainOfViews(const SearchContext& context, const Ancho
 
 }  // namespace
 
-std::vector<std::optional<ReachingView>> FindReachingViews(const SearchContext& context,
-                                                           const UncoveredPoints& points,
-                                                           const std::vector<Anchor>& anchors) {
+std::vector<std::optional<ReachingView>> FindReachingViews(
+    const SearchContext& context, const UncoveredPoints& points,
+    const std::vector<Eigen::Vector3d>& positions) {
   std::vector<std::optional<ReachingView>> views(points.size());
-  if (points.size() == 0) return views;
-  const std::vector<Eigen::Vector3d> positions = FreePositions(context, points, anchors);
   const std::vector<ViewDirection> directions = AllDirections(context);
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
     views[i] = FirstReachingView(context, positions, directions, points, i);
   });
   return views;
+}
+
+std::vector<std::optional<ReachingView>> FindReachingViews(const SearchContext& context,
+                                                           const UncoveredPoints& points,
+                                                           const std::vector<Anchor>& anchors) {
+  if (points.size() == 0) return {};
+  return FindReachingViews(context, points, FreePositions(context, points, anchors));
 }
 
 std::vector<ReachingView> FindBridge(const SearchContext& context,

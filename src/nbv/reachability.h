@@ -3,7 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "nbv/candidates.h"
+#include "nbv/search_context.h"
+#include "nbv/uncovered_points.h"
 
 namespace colmap_ext {
 
@@ -13,10 +14,15 @@ struct ReachingView {
   ViewDirection direction;
 };
 
-// For every uncovered point the first view that sees it and does not merely repeat a good view of
-// it, looking from positions near to existing views outwards; nullopt where there is none.
-// Positions: a lattice around the points of twice the grid spacing, and those of the anchors. Its
-// directions: all pitches, and the yaws next to the point.
+// For every uncovered point the first view from one of `positions` that sees it and does not merely
+// repeat a good view of it; nullopt where there is none. Directions: all pitches and yaws of the
+// context.
+std::vector<std::optional<ReachingView>> FindReachingViews(
+    const SearchContext& context, const UncoveredPoints& points,
+    const std::vector<Eigen::Vector3d>& positions);
+
+// The same from everywhere, near to existing views first: free positions of a lattice around the
+// points of twice the grid spacing, and those of the anchors.
 std::vector<std::optional<ReachingView>> FindReachingViews(const SearchContext& context,
                                                            const UncoveredPoints& points,
                                                            const std::vector<Anchor>& anchors);

@@ -9,15 +9,39 @@
 
 namespace colmap_ext {
 
-UncoveredPoints::UncoveredPoints(const CoverageMap& coverage, const NextBestViewOptions& options)
-    : stereo_aware_(options.stereo_aware),
-      seen_weight_(options.seen_weight),
+std::vector<std::size_t> IndicesOfUncovered(const CoverageMap& coverage) {
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < coverage.points.size(); ++i) {
+    if (coverage.points[i].coverage == CoverageClass::kUncovered) indices.push_back(i);
+  }
+  return indices;
+}
+
+std::vector<std::size_t> IndicesOfWanted(const CoverageMap& coverage) {
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < coverage.points.size(); ++i) {
+    if (coverage.points[i].coverage != CoverageClass::kIgnored) indices.push_back(i);
+  }
+  return indices;
+}
+
+std::vector<std::size_t> Strided(const std::vector<std::size_t>& indices, std::size_t count) {
+  if (indices.size() <= count) return indices;
+  std::vector<std::size_t> kept;
+  for (std::size_t k = 0; k < count; ++k) kept.push_back(indices[k * indices.size() / count]);
+  return kept;
+}
+
+UncoveredPoints::UncoveredPoints(const CoverageMap& coverage,
+                                 const std::vector<std::size_t>& indices,
+                                 const NextBestViewOptions& options)
+    : stereo_aware_(options.stereo_aware && !options.paper_only),
+      seen_weight_(options.paper_only ? 1 : options.seen_weight),
       cos_min_pair_angle_(std::cos(DegToRad(options.min_pair_angle_deg))),
       cos_max_pair_angle_(std::cos(DegToRad(options.max_pair_angle_deg))) {
-  for (const IsoPoint& point : coverage.points) {
-    if (point.coverage != CoverageClass::kUncovered) continue;
-    positions_.push_back(point.position);
-    normals_.push_back(point.normal);
+  for (const std::size_t i : indices) {
+    positions_.push_back(coverage.points[i].position);
+    normals_.push_back(coverage.points[i].normal);
   }
   good_directions_.resize(size());
   is_predicted_covered_.resize(size(), 0);
@@ -50,20 +74,39 @@ void UncoveredPoints::AddGoodView(std::size_t i, const Eigen::Vector3d& center) 
   good_directions_[i].push_back(direction);
 }
 
-double UncoveredPoints::WeightFrom(std::size_t i, const Eigen::Vector3d& center) const {
-  if (is_predicted_covered_[i] != 0) return seen_weight_;
-  if (!stereo_aware_ || good_directions_[i].empty()) return 1;
+UncoveredPoints::Relation UncoveredPoints::RelationOf(std::size_t i,
+                                                      const Eigen::Vector3d& center) const {
+  if (good_directions_[i].empty()) return Relation::kFirst;
   const Eigen::Vector3d direction = DirectionTo(i, center);
-  bool is_repetition = false;
+  Relation relation = Relation::kFarOff;
   for (const Eigen::Vector3d& other : good_directions_[i]) {
     const double cos_angle = other.dot(direction);
     if (cos_angle > cos_min_pair_angle_) {
-      is_repetition = true;
+      relation = Relation::kRepetition;
     } else if (cos_angle >= cos_max_pair_angle_) {
-      return 1;  // a good pair
+      return Relation::kPair;
     }
   }
-  return is_repetition ? 0 : 1;
+  return relation;
+}
+
+double UncoveredPoints::WeightFrom(std::size_t i, const Eigen::Vector3d& center) const {
+  if (is_predicted_covered_[i] != 0) return seen_weight_;
+  if (!stereo_aware_) return 1;
+  return RelationOf(i, center) == Relation::kRepetition ? 0 : 1;
+}
+
+double UncoveredPoints::StereoGain(std::size_t i, const Eigen::Vector3d& center) const {
+  if (is_predicted_covered_[i] != 0) return 0;
+  switch (RelationOf(i, center)) {
+    case Relation::kFirst:
+    case Relation::kPair:
+      return 0.5;
+    case Relation::kFarOff:
+      return 0.25;
+    default:
+      return 0;
+  }
 }
 
 }  // namespace colmap_ext

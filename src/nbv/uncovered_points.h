@@ -4,15 +4,23 @@
 #include <vector>
 
 #include "colmap_ext/coverage/visibility.h"
-#include "colmap_ext/nbv/plane_sweep.h"
+#include "colmap_ext/nbv/next_best_views.h"
 
 namespace colmap_ext {
 
-// The uncovered iso-points of a map, and the good views that each of them has: of existing photos
-// and of views chosen so far.
+// Indices of the uncovered iso-points of a map.
+std::vector<std::size_t> IndicesOfUncovered(const CoverageMap& coverage);
+// Of all that are not ignored.
+std::vector<std::size_t> IndicesOfWanted(const CoverageMap& coverage);
+// At most about `count` of them, evenly over their order.
+std::vector<std::size_t> Strided(const std::vector<std::size_t>& indices, std::size_t count);
+
+// Some iso-points of a map (the uncovered ones), and the good views that each of them has: of
+// existing photos and of views chosen so far.
 class UncoveredPoints {
  public:
-  UncoveredPoints(const CoverageMap& coverage, const NextBestViewOptions& options);
+  UncoveredPoints(const CoverageMap& coverage, const std::vector<std::size_t>& indices,
+                  const NextBestViewOptions& options);
 
   std::size_t size() const { return positions_.size(); }
   const Eigen::Vector3d& position(std::size_t i) const { return positions_[i]; }
@@ -22,6 +30,11 @@ class UncoveredPoints {
   void AddExistingViews(const std::vector<PosedPhoto>& existing, const VisibilityEngine& engine,
                         double min_projection_ratio);
 
+  // What a good view from `center` adds to the stereo coverage of the point, which is 1/2 for its
+  // first good view and 1/2 for a good pair: 0 for a point that has a pair by chosen views, and for
+  // a repetition; 1/4 for a view too far off all others to make a pair.
+  double StereoGain(std::size_t i, const Eigen::Vector3d& center) const;
+
   // Notes that the point gets a good view from `center`.
   void AddGoodView(std::size_t i, const Eigen::Vector3d& center);
 
@@ -29,7 +42,11 @@ class UncoveredPoints {
   // views cover it already, else 1.
   double WeightFrom(std::size_t i, const Eigen::Vector3d& center) const;
 
+  bool IsPredictedCovered(std::size_t i) const { return is_predicted_covered_[i] != 0; }
+
  private:
+  enum class Relation { kFirst, kPair, kRepetition, kFarOff };
+  Relation RelationOf(std::size_t i, const Eigen::Vector3d& center) const;
   Eigen::Vector3d DirectionTo(std::size_t i, const Eigen::Vector3d& center) const {
     return (center - positions_[i]).normalized();
   }

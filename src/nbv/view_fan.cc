@@ -10,7 +10,7 @@ ViewFan::ViewFan(const SearchContext& context, const std::vector<ViewDirection>&
       range_squared_m2_(std::pow(UsefulRange(context), 2)),
       min_cos_incidence_(std::cos(DegToRad(context.options.visibility.max_incidence_deg))) {
   const double border_px = context.options.visibility.border_px;
-  const PinholeCamera& camera = context.camera;
+  const PinholeCamera& camera = context.camera();
   min_x_ = camera.Ray({border_px, 0}).x();
   max_x_ = camera.Ray({camera.width - border_px, 0}).x();
   min_y_ = camera.Ray({0, border_px}).y();
@@ -28,15 +28,22 @@ ViewFan::ViewFan(const SearchContext& context, const std::vector<ViewDirection>&
   }
 }
 
-bool ViewFan::LookAt(const Eigen::Vector3d& position, const Eigen::Vector3d& point,
-                     const Eigen::Vector3d& normal) {
-  seen_.clear();
+bool ViewFan::IsInReach(const Eigen::Vector3d& position, const Eigen::Vector3d& point,
+                        const Eigen::Vector3d& normal) const {
   const Eigen::Vector3d offset = point - position;
   const double squared_distance = offset.squaredNorm();
   if (squared_distance > range_squared_m2_) return false;
   const double facing = -normal.dot(offset);
-  if (facing <= 0 || facing < min_cos_incidence_ * std::sqrt(squared_distance)) return false;
-  const double numerator = context_.camera.fx * context_.camera.fy * facing;
+  return facing > 0 && facing >= min_cos_incidence_ * std::sqrt(squared_distance);
+}
+
+bool ViewFan::LookAt(const Eigen::Vector3d& position, const Eigen::Vector3d& point,
+                     const Eigen::Vector3d& normal) {
+  seen_.clear();
+  if (!IsInReach(position, point, normal)) return false;
+  const Eigen::Vector3d offset = point - position;
+  const double facing = -normal.dot(offset);
+  const double numerator = context_.camera().fx * context_.camera().fy * facing;
   for (const Heading& heading : headings_) {
     const double forward = offset.x() * heading.sin_yaw + offset.y() * heading.cos_yaw;
     const double right = offset.x() * heading.cos_yaw - offset.y() * heading.sin_yaw;

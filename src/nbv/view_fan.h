@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "nbv/candidates.h"
+#include "nbv/search_context.h"
 
 namespace colmap_ext {
 
@@ -13,6 +13,10 @@ namespace colmap_ext {
 class ViewFan {
  public:
   ViewFan(const SearchContext& context, const std::vector<ViewDirection>& directions);
+
+  // Whether the point is near enough and faces `position`: cheap, and needed for LookAt.
+  bool IsInReach(const Eigen::Vector3d& position, const Eigen::Vector3d& point,
+                 const Eigen::Vector3d& normal) const;
 
   // Whether some view from `position` sees the point at >= γ_min, occlusion apart. Fills seen().
   bool LookAt(const Eigen::Vector3d& position, const Eigen::Vector3d& point,

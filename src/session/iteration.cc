@@ -13,7 +13,7 @@
 #include "colmap_ext/mvs/points.h"
 #include "colmap_ext/mvs/stereo_io.h"
 #include "colmap_ext/mvs/superpixel_stereo.h"
-#include "colmap_ext/nbv/plane_sweep.h"
+#include "colmap_ext/nbv/next_best_views.h"
 #include "colmap_ext/path/path_planner.h"
 #include "colmap_ext/scene/coverage_map_io.h"
 #include "colmap_ext/scene/mesh_io.h"
@@ -154,10 +154,20 @@ Eigen::Vector3d VehiclePosition(const PhotoSet& photos) {
   return CameraCenter(photos.photos.back().cam_from_world);
 }
 
+// Options that views share with coverage and path.
+NextBestViewOptions ForPlanning(const NextBestViewOptions& options, const CoverageOptions& coverage,
+                                const PathOptions& path) {
+  NextBestViewOptions nbv = options;
+  nbv.visibility = coverage.visibility;
+  nbv.speed_m_s = path.speed_m_s;
+  nbv.yaw_rate_deg_s = path.yaw_rate_deg_s;
+  nbv.hover_s = path.hover_s;
+  return nbv;
+}
+
 void RunPlanning(const IterationContext& context, const SessionState& state, Work* work,
                  const JobControl& job) {
   const StageOptions& options = *context.options;
-  const PinholeCamera& camera = work->photos.photos.front().camera;
   const Eigen::Vector3d start = VehiclePosition(work->photos);
   PathOptions path_options = options.path;
   ReadZones(work->sparse.frame, &path_options);
@@ -165,10 +175,17 @@ void RunPlanning(const IterationContext& context, const SessionState& state, Wor
   Timed("nbv", work, job, [&] {
     space = std::make_shared<const FreeSpace>(
         KnownSpace(work->surface, work->photos.photos, start, path_options));
-    NextBestViewOptions nbv = options.nbv;
-    nbv.visibility = options.coverage.visibility;
-    work->plan = PlanNextViews(work->coverage, work->surface.mesh, work->photos.photos, camera,
-                               state.next_view_id, nbv, job, FlyablePositions(space, path_options));
+    const NextBestViewOptions nbv = ForPlanning(options.nbv, options.coverage, options.path);
+    ViewPlanInput input{work->coverage, work->surface.mesh, work->photos.photos};
+    input.camera = work->photos.photos.front().camera;
+    input.first_id = state.next_view_id;
+    input.points = &work->photos.points;
+    input.may_fly = FlyablePositions(space, path_options);
+    input.limits = &path_options.limits;
+    input.limits_margin_m = path_options.position_error_m;
+    input.start = start;
+    work->plan = PlanNextViews(input, nbv, job);
+    if (!work->plan.explanation.empty()) job.Warn("next best views: " + work->plan.explanation);
     WriteViews(work->plan.views, work->sparse.frame, work->files.views_json());
   });
   Timed("path", work, job, [&] {

@@ -1,5 +1,3 @@
-#include "colmap_ext/nbv/plane_sweep.h"
-
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -7,106 +5,10 @@
 #include <cmath>
 
 #include "colmap_ext/util/error.h"
+#include "nbv/hall_world.h"
 
 namespace colmap_ext {
 namespace {
-
-// A hall of 24 x 10 x 12 m on wide ground, its faces split into squares with an iso-point each.
-class HallWorld {
- public:
-  HallWorld() {
-    AddQuad({-60, -60, 0}, {120, 0, 0}, {0, 120, 0});  // ground
-    AddFace({-12, -5, 0}, {24, 0, 0}, {0, 0, 12});     // south
-    AddFace({12, 5, 0}, {-24, 0, 0}, {0, 0, 12});      // north
-    AddFace({12, -5, 0}, {0, 10, 0}, {0, 0, 12});      // east
-    AddFace({-12, 5, 0}, {0, -10, 0}, {0, 0, 12});     // west
-    AddFace({-12, -5, 12}, {24, 0, 0}, {0, 10, 0});    // roof
-    map.min_projection_ratio = 625;                    // 40 mm a pixel
-    map.disk_area_m2 = 1;
-  }
-
-  void AddQuad(const Eigen::Vector3d& corner, const Eigen::Vector3d& u, const Eigen::Vector3d& v) {
-    const int first = static_cast<int>(mesh.vertices.size());
-    mesh.vertices.insert(mesh.vertices.end(), {corner, corner + u, corner + u + v, corner + v});
-    mesh.faces.emplace_back(first, first + 1, first + 2);
-    mesh.faces.emplace_back(first, first + 2, first + 3);
-  }
-
-  void AddFace(const Eigen::Vector3d& corner, const Eigen::Vector3d& u, const Eigen::Vector3d& v) {
-    AddQuad(corner, u, v);
-    for (double s = 0.5; s < u.norm(); s += 1) {
-      for (double t = 0.5; t < v.norm(); t += 1) {
-        AddPoint(corner + s * u.normalized() + t * v.normalized(), u.cross(v).normalized());
-      }
-    }
-  }
-
-  void AddPoint(const Eigen::Vector3d& position, const Eigen::Vector3d& normal) {
-    IsoPoint point;
-    point.position = position;
-    point.normal = normal;
-    point.coverage = CoverageClass::kCovered;
-    map.points.push_back(point);
-  }
-
-  void Uncover(const Eigen::AlignedBox3d& box) {
-    for (IsoPoint& point : map.points) {
-      if (box.contains(point.position)) point.coverage = CoverageClass::kUncovered;
-    }
-  }
-
-  TriangleMesh mesh;
-  CoverageMap map;
-};
-
-double DistanceToHall(const Eigen::Vector3d& p) {
-  const Eigen::AlignedBox3d hall(Eigen::Vector3d(-12, -5, 0), Eigen::Vector3d(12, 5, 12));
-  return std::min(p.z(), hall.exteriorDistance(p));
-}
-
-const PinholeCamera kCamera{640, 368, 467, 467, 320, 184};
-
-PosedPhoto PhotoAt(const Eigen::Vector3d& position, double yaw_deg, double pitch_deg) {
-  PosedPhoto photo;
-  photo.camera = kCamera;
-  photo.cam_from_world = CamFromWorld(position, {DegToRad(yaw_deg), DegToRad(pitch_deg)});
-  return photo;
-}
-
-// A line of photos south of the hall, looking north.
-std::vector<PosedPhoto> SouthLine(double z = 15, double pitch_deg = -30) {
-  std::vector<PosedPhoto> photos;
-  for (double x = -14; x <= 14; x += 2) photos.push_back(PhotoAt({x, -15, z}, 0, pitch_deg));
-  return photos;
-}
-
-// All around, looking inward.
-std::vector<PosedPhoto> Ring() {
-  std::vector<PosedPhoto> photos = SouthLine();
-  for (double x = -14; x <= 14; x += 2) photos.push_back(PhotoAt({x, 15, 15}, 180, -30));
-  for (double y = -7; y <= 7; y += 2) {
-    photos.push_back(PhotoAt({22, y, 15}, -90, -30));
-    photos.push_back(PhotoAt({-22, y, 15}, 90, -30));
-  }
-  return photos;
-}
-
-Rigid3d PoseOf(const PlannedView& view) { return CamFromWorld(view.position, view.direction); }
-
-// Seen in the hall's world, by geometry: convex, so facing and in the image is all.
-bool Sees(const Rigid3d& cam_from_world, const IsoPoint& point) {
-  const Eigen::Vector3d in_cam = cam_from_world * point.position;
-  const Eigen::Vector3d to_camera = CameraCenter(cam_from_world) - point.position;
-  const double cos_incidence = point.normal.dot(to_camera.normalized());
-  return in_cam.z() > 0 && kCamera.Contains(kCamera.Project(in_cam), 4) &&
-         cos_incidence > std::cos(DegToRad(80));
-}
-
-double Ratio(const Rigid3d& cam_from_world, const IsoPoint& point) {
-  const Eigen::Vector3d to_camera = CameraCenter(cam_from_world) - point.position;
-  const double depth = (cam_from_world * point.position).z();
-  return kCamera.fx * kCamera.fy * point.normal.dot(to_camera) / std::pow(depth, 3);
-}
 
 // The paper's number of views.
 NextBestViewOptions PaperOptions() {
@@ -125,13 +27,12 @@ bool IsNear(const PlannedView& view, const Rigid3d& cam_from_world,
          std::abs(view.direction.pitch_rad - other.pitch_rad) <= limit;
 }
 
-TEST(PlanNextViews, LooksAtTheUncoveredPatch) {
+TEST(PlaneSweep, LooksAtTheUncoveredPatch) {
   HallWorld world;
   world.Uncover({Eigen::Vector3d(-3, -6, 7), Eigen::Vector3d(3, -4, 11)});  // south wall
   const NextBestViewOptions options = PaperOptions();
   const std::vector<PosedPhoto> existing = SouthLine();
-  const ViewPlanResult plan =
-      PlanNextViews(world.map, world.mesh, existing, kCamera, 100, options, {});
+  const ViewPlanResult plan = Plan(world.map, world.mesh, existing, kCamera, 100, options, {});
   EXPECT_EQ(plan.uncovered, 24u);
   EXPECT_EQ(plan.reachable_uncovered, 24u);
   EXPECT_EQ(plan.stop_reason, "");
@@ -159,11 +60,11 @@ TEST(PlanNextViews, LooksAtTheUncoveredPatch) {
   }
 }
 
-TEST(PlanNextViews, ScoresAreSumsOfProjectionRatios) {
+TEST(PlaneSweep, ScoresAreSumsOfProjectionRatios) {
   HallWorld world;
   world.Uncover({Eigen::Vector3d(-12, -6, 0), Eigen::Vector3d(12, -4, 11)});
   const ViewPlanResult plan =
-      PlanNextViews(world.map, world.mesh, SouthLine(), kCamera, 0, PaperOptions(), {});
+      Plan(world.map, world.mesh, SouthLine(), kCamera, 0, PaperOptions(), {});
   ASSERT_EQ(plan.views.size(), 5u);
   for (const PlannedView& view : plan.views) {
     double sum = 0;
@@ -177,60 +78,58 @@ TEST(PlanNextViews, ScoresAreSumsOfProjectionRatios) {
   }
 }
 
-TEST(PlanNextViews, FliesWhereTheHighestPointIsCentredAtTheSafeDistance) {
+TEST(PlaneSweep, FliesWhereTheHighestPointIsCentredAtTheSafeDistance) {
   HallWorld world;
   world.Uncover({Eigen::Vector3d(-3, -6, 4), Eigen::Vector3d(3, -4, 11)});  // highest: 10.5 m
   NextBestViewOptions options = PaperOptions();
   options.num_pitches = 1;
   options.min_pitch_deg = options.max_pitch_deg = -20;
-  const ViewPlanResult plan =
-      PlanNextViews(world.map, world.mesh, SouthLine(13.5), kCamera, 0, options, {});
+  const ViewPlanResult plan = Plan(world.map, world.mesh, SouthLine(13.5), kCamera, 0, options, {});
   ASSERT_FALSE(plan.views.empty());
   EXPECT_NEAR(RadToDeg(plan.pitch_rad), -20, 1e-9);
   EXPECT_NEAR(plan.altitude_m, 10.5 + 5 * std::sin(DegToRad(20)), 1e-9);
   EXPECT_NEAR(plan.views[0].position.z(), plan.altitude_m, 1e-12);
 }
 
-TEST(PlanNextViews, SaysCoveredWhenAllIsCovered) {
+TEST(PlaneSweep, SaysCoveredWhenAllIsCovered) {
   HallWorld world;
   world.map.points[0].coverage = CoverageClass::kIgnored;
-  const ViewPlanResult plan = PlanNextViews(world.map, world.mesh, Ring(), kCamera, 0, {}, {});
+  const ViewPlanResult plan = Plan(world.map, world.mesh, Ring(), kCamera, 0, {}, {});
   EXPECT_EQ(plan.stop_reason, "covered");
   EXPECT_TRUE(plan.views.empty());
   EXPECT_EQ(plan.uncovered, 0u);
-  EXPECT_EQ(PlanNextViews(CoverageMap{}, world.mesh, Ring(), kCamera, 0, {}, {}).stop_reason,
-            "covered");
+  EXPECT_EQ(Plan(CoverageMap{}, world.mesh, Ring(), kCamera, 0, {}, {}).stop_reason, "covered");
 }
 
-TEST(PlanNextViews, SaysWhenNothingCanBeReached) {
+TEST(PlaneSweep, SaysWhenNothingCanBeReached) {
   HallWorld world;
   for (double x = -10; x <= 10; x += 1) world.AddPoint({x, 0, 3}, {0, 0, 1});  // inside the hall
   world.Uncover({Eigen::Vector3d(-11, -1, 2), Eigen::Vector3d(11, 1, 4)});
-  const ViewPlanResult plan = PlanNextViews(world.map, world.mesh, Ring(), kCamera, 0, {}, {});
+  const ViewPlanResult plan = Plan(world.map, world.mesh, Ring(), kCamera, 0, {}, {});
   EXPECT_EQ(plan.uncovered, 21u);
   EXPECT_EQ(plan.reachable_uncovered, 0u);
   EXPECT_TRUE(plan.views.empty());
   EXPECT_EQ(plan.stop_reason, "nothing_reachable");
 }
 
-TEST(PlanNextViews, IsNotHeldUpByAHighPointThatNobodyCanSee) {
+TEST(PlaneSweep, IsNotHeldUpByAHighPointThatNobodyCanSee) {
   HallWorld world;
   world.AddPoint({0, 0, 11.9}, {0, 0, -1});  // under the roof
   world.Uncover({Eigen::Vector3d(-3, -1, 11.5), Eigen::Vector3d(3, 1, 11.95)});
   world.Uncover({Eigen::Vector3d(-3, -6, 6), Eigen::Vector3d(3, -4, 9)});
-  const ViewPlanResult plan = PlanNextViews(world.map, world.mesh, SouthLine(), kCamera, 0, {}, {});
+  const ViewPlanResult plan = Plan(world.map, world.mesh, SouthLine(), kCamera, 0, {}, {});
   EXPECT_EQ(plan.uncovered, 19u);
   EXPECT_EQ(plan.reachable_uncovered, 18u);
   ASSERT_FALSE(plan.views.empty());
   EXPECT_GT(plan.views[0].score, 0);
 }
 
-TEST(PlanNextViews, DoesNotRepeatTheOnlyGoodView) {
+TEST(PlaneSweep, DoesNotRepeatTheOnlyGoodView) {
   HallWorld world;
   world.Uncover({Eigen::Vector3d(-1, -6, 9), Eigen::Vector3d(1, -4, 11)});
   // One photo sees the patch well.
   const std::vector<PosedPhoto> existing = {PhotoAt({0, -12, 13}, 0, -24.6)};
-  const ViewPlanResult plan = PlanNextViews(world.map, world.mesh, existing, kCamera, 0, {}, {});
+  const ViewPlanResult plan = Plan(world.map, world.mesh, existing, kCamera, 0, {}, {});
   ASSERT_FALSE(plan.views.empty());
   for (const IsoPoint& point : world.map.points) {
     if (point.coverage != CoverageClass::kUncovered) continue;
@@ -242,11 +141,10 @@ TEST(PlanNextViews, DoesNotRepeatTheOnlyGoodView) {
   }
 }
 
-TEST(PlanNextViews, ChoosesPartnersForPointsThatNoPhotoSawWell) {
+TEST(PlaneSweep, ChoosesPartnersForPointsThatNoPhotoSawWell) {
   HallWorld world;
   world.Uncover({Eigen::Vector3d(-1, -6, 1), Eigen::Vector3d(1, -4, 3)});
-  const ViewPlanResult plan =
-      PlanNextViews(world.map, world.mesh, SouthLine(9, -15), kCamera, 0, {}, {});
+  const ViewPlanResult plan = Plan(world.map, world.mesh, SouthLine(9, -15), kCamera, 0, {}, {});
   ASSERT_GE(plan.views.size(), 2u);
   for (const IsoPoint& point : world.map.points) {
     if (point.coverage != CoverageClass::kUncovered) continue;
@@ -254,18 +152,17 @@ TEST(PlanNextViews, ChoosesPartnersForPointsThatNoPhotoSawWell) {
   }
 }
 
-TEST(PlanNextViews, BridgesToWhatIsOutOfReach) {
+TEST(PlaneSweep, BridgesToWhatIsOutOfReach) {
   HallWorld world;
   world.Uncover({Eigen::Vector3d(-2, 4, 6), Eigen::Vector3d(2, 6, 10)});  // north wall
   // The only photos are high above the south: 15 m away, and looking the other way.
   const std::vector<PosedPhoto> existing = {PhotoAt({0, -12, 20}, 0, -30)};
   NextBestViewOptions options = PaperOptions();
   options.bridge = false;
-  EXPECT_EQ(PlanNextViews(world.map, world.mesh, existing, kCamera, 0, options, {}).stop_reason,
+  EXPECT_EQ(Plan(world.map, world.mesh, existing, kCamera, 0, options, {}).stop_reason,
             "nothing_reachable");
   options.bridge = true;
-  const ViewPlanResult plan =
-      PlanNextViews(world.map, world.mesh, existing, kCamera, 0, options, {});
+  const ViewPlanResult plan = Plan(world.map, world.mesh, existing, kCamera, 0, options, {});
   EXPECT_TRUE(plan.is_bridge);
   EXPECT_EQ(plan.stop_reason, "");
   ASSERT_EQ(plan.views.size(), 5u);
@@ -277,7 +174,7 @@ TEST(PlanNextViews, BridgesToWhatIsOutOfReach) {
   }
 }
 
-TEST(PlanNextViews, ChainsViewsOnlyWhenAsked) {
+TEST(PlaneSweep, ChainsViewsOnlyWhenAsked) {
   HallWorld world;
   world.Uncover({Eigen::Vector3d(-13, -6, 5), Eigen::Vector3d(13, -4, 12)});
   const std::vector<PosedPhoto> existing = {PhotoAt({0, -13, 15}, 0, -30)};
@@ -291,10 +188,9 @@ TEST(PlanNextViews, ChainsViewsOnlyWhenAsked) {
     }
     return distance;
   };
-  EXPECT_LE(furthest(PlanNextViews(world.map, world.mesh, existing, kCamera, 0, options, {})), 3);
+  EXPECT_LE(furthest(Plan(world.map, world.mesh, existing, kCamera, 0, options, {})), 3);
   options.chain_views = true;
-  const ViewPlanResult chained =
-      PlanNextViews(world.map, world.mesh, existing, kCamera, 0, options, {});
+  const ViewPlanResult chained = Plan(world.map, world.mesh, existing, kCamera, 0, options, {});
   EXPECT_GT(furthest(chained), 3);
   std::vector<Rigid3d> known = {existing[0].cam_from_world};
   for (const PlannedView& view : chained.views) {
@@ -304,7 +200,7 @@ TEST(PlanNextViews, ChainsViewsOnlyWhenAsked) {
   }
 }
 
-TEST(PlanNextViews, SeesNothingThroughAScreen) {
+TEST(PlaneSweep, SeesNothingThroughAScreen) {
   HallWorld world;
   world.Uncover({Eigen::Vector3d(-3, -6, 4), Eigen::Vector3d(3, -4, 8)});
   // A screen 1 m before the south wall, higher and wider than it.
@@ -312,17 +208,17 @@ TEST(PlanNextViews, SeesNothingThroughAScreen) {
   world.AddQuad({-16, -6, 16}, {32, 0, 0}, {0, 1, -0.5});  // and closed at the top
   world.AddQuad({-16, -6, 0}, {0, 1, 0}, {0, 0, 16});
   world.AddQuad({16, -6, 0}, {0, 1, 0}, {0, 0, 16});
-  const ViewPlanResult plan = PlanNextViews(world.map, world.mesh, SouthLine(), kCamera, 0, {}, {});
+  const ViewPlanResult plan = Plan(world.map, world.mesh, SouthLine(), kCamera, 0, {}, {});
   EXPECT_EQ(plan.reachable_uncovered, 0u);
   EXPECT_EQ(plan.stop_reason, "nothing_reachable");
 }
 
-TEST(PlanNextViews, IsTheSameWithOneThreadAndMany) {
+TEST(PlaneSweep, IsTheSameWithOneThreadAndMany) {
   HallWorld world;
   world.Uncover({Eigen::Vector3d(-13, -6, 0), Eigen::Vector3d(13, 6, 11)});
-  const ViewPlanResult many = PlanNextViews(world.map, world.mesh, Ring(), kCamera, 0, {}, {});
+  const ViewPlanResult many = Plan(world.map, world.mesh, Ring(), kCamera, 0, {}, {});
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
-  const ViewPlanResult one = PlanNextViews(world.map, world.mesh, Ring(), kCamera, 0, {}, {});
+  const ViewPlanResult one = Plan(world.map, world.mesh, Ring(), kCamera, 0, {}, {});
   ASSERT_EQ(one.views.size(), many.views.size());
   EXPECT_EQ(one.reachable_uncovered, many.reachable_uncovered);
   for (std::size_t i = 0; i < one.views.size(); ++i) {
@@ -332,26 +228,7 @@ TEST(PlanNextViews, IsTheSameWithOneThreadAndMany) {
   }
 }
 
-// Marks the points that have a good pair of views, by the paper's rule, independently of the code.
-void Evaluate(const std::vector<PosedPhoto>& photos, CoverageMap* map) {
-  for (IsoPoint& point : map->points) {
-    std::vector<Eigen::Vector3d> good;
-    for (const PosedPhoto& photo : photos) {
-      if (Sees(photo.cam_from_world, point) && Ratio(photo.cam_from_world, point) >= 625) {
-        good.push_back((CameraCenter(photo.cam_from_world) - point.position).normalized());
-      }
-    }
-    point.coverage = CoverageClass::kUncovered;
-    for (std::size_t i = 0; i < good.size(); ++i) {
-      for (std::size_t j = 0; j < i; ++j) {
-        const double angle = RadToDeg(std::acos(std::min(1.0, good[i].dot(good[j]))));
-        if (angle >= 2 && angle <= 30) point.coverage = CoverageClass::kCovered;
-      }
-    }
-  }
-}
-
-TEST(PlanNextViews, ClosesTheLoopUntilAllIsCovered) {
+TEST(PlaneSweep, ClosesTheLoopUntilAllIsCovered) {
   HallWorld world;
   std::vector<PosedPhoto> photos = Ring();
   Evaluate(photos, &world.map);
@@ -361,7 +238,7 @@ TEST(PlanNextViews, ClosesTheLoopUntilAllIsCovered) {
   int iteration = 0;
   for (; iteration < 40; ++iteration) {
     const double before = world.map.CoveredRatio();
-    plan = PlanNextViews(world.map, world.mesh, photos, kCamera, 0, {}, {});
+    plan = Plan(world.map, world.mesh, photos, kCamera, 0, {}, {});
     if (plan.views.empty()) break;
     for (const PlannedView& view : plan.views) {
       PosedPhoto photo;
@@ -380,28 +257,66 @@ TEST(PlanNextViews, ClosesTheLoopUntilAllIsCovered) {
   EXPECT_LT(iteration, 30);
 }
 
-TEST(PlanNextViews, RefusesBadOptionsAndNoPhotos) {
+TEST(PlaneSweep, RefusesBadOptionsAndNoPhotos) {
   HallWorld world;
   world.Uncover({Eigen::Vector3d(-3, -6, 4), Eigen::Vector3d(3, -4, 8)});
-  EXPECT_THROW(PlanNextViews(world.map, world.mesh, {}, kCamera, 0, {}, {}), Error);
+  EXPECT_THROW(Plan(world.map, world.mesh, {}, kCamera, 0, {}, {}), Error);
   NextBestViewOptions options = PaperOptions();
   options.num_yaws = 0;
-  EXPECT_THROW(PlanNextViews(world.map, world.mesh, Ring(), kCamera, 0, options, {}), UsageError);
+  EXPECT_THROW(Plan(world.map, world.mesh, Ring(), kCamera, 0, options, {}), UsageError);
   options = {};
   options.min_pitch_deg = 40;
-  EXPECT_THROW(PlanNextViews(world.map, world.mesh, Ring(), kCamera, 0, options, {}), UsageError);
+  EXPECT_THROW(Plan(world.map, world.mesh, Ring(), kCamera, 0, options, {}), UsageError);
   options = {};
   options.safe_distance_m = -1;
-  EXPECT_THROW(PlanNextViews(world.map, world.mesh, Ring(), kCamera, 0, options, {}), UsageError);
+  EXPECT_THROW(Plan(world.map, world.mesh, Ring(), kCamera, 0, options, {}), UsageError);
 }
 
-TEST(PlanNextViews, StopsWhenCancelled) {
+TEST(PlaneSweep, StopsWhenCancelled) {
   HallWorld world;
   world.Uncover({Eigen::Vector3d(-3, -6, 4), Eigen::Vector3d(3, -4, 8)});
   const std::atomic<bool> cancel{true};
-  EXPECT_THROW(
-      PlanNextViews(world.map, world.mesh, Ring(), kCamera, 0, {}, JobControl(nullptr, &cancel)),
-      CancelledError);
+  EXPECT_THROW(Plan(world.map, world.mesh, Ring(), kCamera, 0, {}, JobControl(nullptr, &cancel)),
+               CancelledError);
+}
+
+TEST(PlaneSweep, PaperOnlyIsThePapersSearch) {
+  HallWorld world;
+  world.Uncover({Eigen::Vector3d(-3, -6, 4), Eigen::Vector3d(3, -4, 11)});  // highest: 10.5 m
+  world.AddPoint({0, 0, 11.9}, {0, 0, -1});  // under the roof: nobody can see it, yet it counts
+  world.map.points.back().coverage = CoverageClass::kUncovered;
+  NextBestViewOptions options = PaperOptions();
+  options.paper_only = true;
+  const std::vector<PosedPhoto> existing = SouthLine(13.5, -20);
+  const ViewPlanResult plan = Plan(world.map, world.mesh, existing, kCamera, 0, options, {});
+  ASSERT_FALSE(plan.views.empty());
+  EXPECT_LE(plan.views.size(), 5u);
+  EXPECT_NEAR(plan.altitude_m, 11.9 - 5 * std::sin(plan.pitch_rad), 1e-9);
+  for (const PlannedView& view : plan.views) {
+    EXPECT_EQ(view.position.z(), plan.altitude_m);
+    EXPECT_EQ(view.direction.pitch_rad, plan.pitch_rad);
+    double sum = 0;  // at any ratio
+    for (const IsoPoint& point : world.map.points) {
+      if (point.coverage == CoverageClass::kUncovered && Sees(PoseOf(view), point)) {
+        sum += Ratio(PoseOf(view), point);
+      }
+    }
+    EXPECT_NEAR(view.score, sum, 1e-6 * sum);
+  }
+  EXPECT_EQ(plan.shared_features, std::vector<double>(plan.views.size(), -1));
+}
+
+TEST(PlaneSweep, CoarseSearchLosesLittle) {
+  HallWorld world;
+  Evaluate(Ring(), &world.map);
+  NextBestViewOptions options = PaperOptions();
+  options.coarse_step = 1;
+  const ViewPlanResult full = Plan(world.map, world.mesh, Ring(), kCamera, 0, options, {});
+  options.coarse_step = 3;
+  const ViewPlanResult coarse = Plan(world.map, world.mesh, Ring(), kCamera, 0, options, {});
+  ASSERT_FALSE(full.views.empty());
+  ASSERT_FALSE(coarse.views.empty());
+  EXPECT_GE(coarse.views[0].score, 0.9 * full.views[0].score);
 }
 
 TEST(NextBestViewOptions, BindsEachFieldOnce) {

@@ -57,6 +57,19 @@ class SimulatedCapture : public ProgramTest {
   }
 };
 
+TEST_F(SimulatedCapture, SubmodularViewsCoverAndRegister) {
+  std::vector<std::string> arguments = Arguments(folder_ / "w");
+  arguments.insert(arguments.end(), {"--NextBestView.strategy", "submodular"});
+  const ChildProcessResult result = Run(arguments);
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  const json summary = ReadJson(folder_ / "w" / "summary.json");
+  ASSERT_EQ(summary["iterations"].size(), 2U);
+  const json& second = summary["iterations"][1];
+  EXPECT_GT(second["photos"], 30);
+  EXPECT_EQ(second["registered"], second["photos"]);
+  EXPECT_GT(second["covered_ratio"], summary["iterations"][0]["covered_ratio"]);
+}
+
 TEST_F(SimulatedCapture, CoverageRisesAndEveryFileIsThere) {
   const fs::path workspace = folder_ / "w";
   std::vector<std::string> arguments = Arguments(workspace);

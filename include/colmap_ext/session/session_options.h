@@ -12,7 +12,7 @@
 #include "colmap_ext/mvs/points.h"
 #include "colmap_ext/mvs/superpixel_stereo.h"
 #include "colmap_ext/mvs/superpixels.h"
-#include "colmap_ext/nbv/plane_sweep.h"
+#include "colmap_ext/nbv/next_best_views.h"
 #include "colmap_ext/path/path_planner.h"
 #include "colmap_ext/report/session_page.h"
 #include "colmap_ext/sfm/sparse_update.h"

@@ -38,7 +38,11 @@ class OrderedFlight {
     return {view.position, view.direction, view.id};
   }
 
-  double Seconds(int from, int to) const { return EstimateDuration({At(from), At(to)}, options_); }
+  double Seconds(int from, int to) const {
+    Waypoint begin = At(from);
+    begin.view_id = -1;  // its photo is taken
+    return EstimateDuration({begin, At(to)}, options_);
+  }
 
   void AddFlight(const std::vector<int>& nodes, bool is_last, FlightPath* path) const {
     std::vector<Waypoint> part;

@@ -75,7 +75,8 @@ TEST(FlyInOrder, SplitsIntoFlightsThatStartAndEndAtHome) {
   options.battery_reserve = 0.25;
   options.takeoff_landing_s = 20;
   const FlightPath split = FlyInOrder(views, options);
-  ASSERT_GT(split.flights.size(), 1u);
+  ASSERT_EQ(split.flights.size(), 2u);
+  EXPECT_GT(split.flights[0].battery_share, 0.6);  // as much as it carries
   EXPECT_TRUE(split.dropped_view_ids.empty());
   double length = 0;
   for (std::size_t i = 0; i < split.flights.size(); ++i) {

@@ -62,7 +62,7 @@ TEST_F(MissionCommands, APatternBecomesAMissionInEveryFormat) {
 TEST_F(MissionCommands, SeveralBatteriesBecomeSeveralFiles) {
   const ChildProcessResult planned =
       PlanPattern({"--RegionOfInterest.box=-10,-6,0,10,6,19", "--Pattern.name", "rectangle-sparse",
-                   "--Pattern.num_views", "130"});
+                   "--Pattern.num_views", "130", "--Path.battery_s", "600"});
   ASSERT_EQ(planned.exit_code, 0) << planned.output;
   const std::size_t flights = ReadPath(folder_ / "path.json").flights.size();
   ASSERT_GE(flights, 2u);

@@ -2,9 +2,6 @@
 
 #include <openssl/rand.h>
 
-// Boost 1.74's awaitable.hpp needs it and does not say so.
-#include <utility>
-// The rest, in order.
 #include <array>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
@@ -16,6 +13,7 @@
 #include <boost/beast/http.hpp>
 #include <chrono>
 #include <thread>
+#include <utility>  // first: Boost 1.74's awaitable.hpp needs it and does not say so
 
 #include "colmap_ext/scene/json_file.h"
 #include "colmap_ext/util/error.h"

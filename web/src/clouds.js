@@ -125,6 +125,11 @@ const quantile = (sorted, share) =>
 
 /** Range of predicted errors, mm, that most of the map has; null when it has none. */
 export function errorRange(coverage) {
+  if (coverage.range === undefined) coverage.range = findErrorRange(coverage);
+  return coverage.range;
+}
+
+function findErrorRange(coverage) {
   if (!coverage.errorUm) return null;
   const known = coverage.errorUm.filter((v) => v >= 0).sort();
   if (known.length === 0) return null;

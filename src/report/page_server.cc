@@ -2,6 +2,9 @@
 
 #include <openssl/rand.h>
 
+// Before Asio: its awaitable.hpp of Boost 1.74 uses std::exchange and does not include it.
+#include <utility>
+// Asio and Beast.
 #include <array>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
@@ -13,7 +16,6 @@
 #include <boost/beast/http.hpp>
 #include <chrono>
 #include <thread>
-#include <utility>  // first: Boost 1.74's awaitable.hpp needs it and does not say so
 
 #include "colmap_ext/scene/json_file.h"
 #include "colmap_ext/util/error.h"

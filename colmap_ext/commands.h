@@ -24,5 +24,6 @@ int RunSceneRenderer(const Arguments& arguments, const CancelFlag& cancel);
 int RunDenseReconstructor(const Arguments& arguments, const CancelFlag& cancel);
 int RunModelEvaluator(const Arguments& arguments, const CancelFlag& cancel);
 int RunReportGenerator(const Arguments& arguments, const CancelFlag& cancel);
+int RunFlightClient(const Arguments& arguments, const CancelFlag& cancel);
 
 }  // namespace colmap_ext

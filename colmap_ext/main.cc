@@ -1,21 +1,16 @@
 // colmap_ext: active image-based modeling for COLMAP. One verb a command, as in COLMAP.
-#include <pthread.h>
-#include <signal.h>
-#include <unistd.h>
-
 #include <array>
 #include <atomic>
-#include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <iostream>
 #include <new>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "colmap_ext/util/error.h"
 #include "commands.h"
+#include "signal_watcher.h"
 
 namespace colmap_ext {
 namespace {
@@ -45,36 +40,14 @@ constexpr std::array kCommands = {
             RunFlightPlanner},
     Command{"mission_exporter", "flight to a file that a drone's programs read",
             RunMissionExporter},
+    Command{"flight_client", "talks to the flight daemon: status, start, pause, abort …",
+            RunFlightClient},
     Command{"scene_renderer", "pictures and exact depth of a textured scene", RunSceneRenderer},
     Command{"dense_reconstructor", "full-size photos with poses to a dense cloud and mesh",
             RunDenseReconstructor},
     Command{"model_evaluator", "error and completeness of a model against the truth",
             RunModelEvaluator},
     Command{"report_generator", "the page of a session", RunReportGenerator},
-};
-
-// Turns SIGINT and SIGTERM into a flag that stages look at; a second one ends the process at once.
-// The signals are blocked in every thread and awaited in one, so no state is shared with a handler.
-class SignalWatcher {
- public:
-  explicit SignalWatcher(std::atomic<bool>* cancel) {
-    sigset_t signals;
-    sigemptyset(&signals);
-    sigaddset(&signals, SIGINT);
-    sigaddset(&signals, SIGTERM);
-    pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-    thread_ = std::jthread([signals, cancel](const std::stop_token& stop) {
-      while (!stop.stop_requested()) {
-        const timespec interval{0, 100'000'000};
-        if (sigtimedwait(&signals, nullptr, &interval) < 0) continue;
-        if (cancel->exchange(true)) _exit(1);
-        std::fputs("\nstopping after the work at hand; once more to stop at once\n", stderr);
-      }
-    });
-  }
-
- private:
-  std::jthread thread_;
 };
 
 void PrintHelp(std::ostream& stream) {

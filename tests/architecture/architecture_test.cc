@@ -28,7 +28,7 @@ const std::map<std::string, std::set<std::string>> kArrows = {
     {"nbv", {"coverage"}},
     {"path", {"scene"}},
     {"mission", {"scene"}},
-    {"flight", {"mission", "mavlink"}},
+    {"flight", {"mission", "mavlink", "path"}},
     {"sim", {"mission", "mavlink"}},
     {"dense", {"scene"}},
     {"eval", {"scene"}},

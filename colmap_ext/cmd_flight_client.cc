@@ -1,0 +1,162 @@
+#include <algorithm>
+#include <array>
+#include <iostream>
+#include <map>
+
+#include "colmap_ext/flight/dry_run.h"
+#include "colmap_ext/flight/flight_client.h"
+#include "colmap_ext/flight/flight_options.h"
+#include "colmap_ext/flight/plan_mission.h"
+#include "colmap_ext/util/error.h"
+#include "command_line.h"
+#include "commands.h"
+
+namespace colmap_ext {
+namespace {
+
+struct ClientInputs {
+  std::filesystem::path workspace_path;
+  std::filesystem::path mission_path;
+  std::string how = "rtl";
+  std::string stack = "px4";
+  bool yes = false;
+};
+
+FlightClient Connect(const ClientInputs& inputs) {
+  const auto address = FindDaemon(inputs.workspace_path);
+  if (!address) {
+    throw Error(inputs.workspace_path.string() +
+                ": no flight daemon runs for this workspace; start colmap_ext_flightd");
+  }
+  return FlightClient(*address);
+}
+
+void PrintStatus(const Json& status) {
+  const Json& vehicle = status["vehicle"];
+  std::cout << status["state"].get<std::string>();
+  if (const auto reason = status["reason"].get<std::string>(); !reason.empty()) {
+    std::cout << ": " << reason;
+  }
+  std::cout << "\nvehicle: " << vehicle["description"].get<std::string>() << ", "
+            << vehicle["mode"].get<std::string>()
+            << (vehicle["armed"].get<bool>() ? ", armed" : ", disarmed");
+  if (vehicle.contains("relative_height_m")) {
+    std::cout << ", " << vehicle["relative_height_m"] << " m above home";
+  }
+  if (vehicle.contains("battery_percent")) {
+    std::cout << ", battery " << vehicle["battery_percent"] << " %";
+  }
+  std::map<std::string, int> counts;
+  for (const Json& view : status["views"]) ++counts[view["status"].get<std::string>()];
+  std::cout << "\nviews:";
+  for (const auto& [name, count] : counts) std::cout << ' ' << count << ' ' << name;
+  std::cout << '\n';
+  for (const Json& item : status["preflight"]) {
+    std::cout << (item["good"].get<bool>() ? "  good  " : "  BAD   ")
+              << item["name"].get<std::string>() << ": " << item["text"].get<std::string>() << '\n';
+  }
+}
+
+// A person types yes before anything arms.
+void AskBeforeStart(const FlightClient& client, const ClientInputs& inputs) {
+  const Json status = client.Status();
+  PrintStatus(status);
+  const std::filesystem::path path = inputs.workspace_path / "flight" / "mission.json";
+  if (std::filesystem::exists(path)) {
+    const FlightMission mission = MissionFromJson(ReadJsonFile(path), path.string());
+    std::cout << ChecklistText(MakeChecklist(mission, 6, 25), mission);
+  }
+  if (inputs.yes) return;
+  std::cout << "The vehicle will arm and take off. Type yes to start: " << std::flush;
+  std::string answer;
+  std::getline(std::cin, answer);
+  if (answer != "yes") throw Error("not started");
+}
+
+void WatchEvents(const FlightClient& client, const CancelFlag& cancel) {
+  const auto goes_on = [&cancel] { return !cancel.load(); };
+  client.Watch(
+      0,
+      [&](const Json& event) {
+        std::cout << event.dump() << std::endl;
+        return goes_on();
+      },
+      goes_on);
+}
+
+// Without daemon and vehicle.
+int DryRun(const ClientInputs& inputs) {
+  RequireOption(inputs.mission_path, "mission_path");
+  if (inputs.stack != "px4" && inputs.stack != "ardupilot") {
+    throw UsageError("--stack " + inputs.stack + ": must be px4 or ardupilot");
+  }
+  const FlightMission mission =
+      MissionFromJson(ReadJsonFile(inputs.mission_path), inputs.mission_path.string());
+  const FlightOptions flight;
+  std::cout << ChecklistText(
+                   MakeChecklist(mission, flight.percent_per_minute, flight.reserve_percent),
+                   mission)
+            << DryRunText(mission,
+                          inputs.stack == "px4" ? AutopilotStack::kPx4 : AutopilotStack::kArduPilot,
+                          {0, 0, mission.home_z_m.value_or(0)}, flight.takeoff_height_m);
+  return 0;
+}
+
+int Perform(const std::string& action, const ClientInputs& inputs, const CancelFlag& cancel) {
+  if (action == "dry_run") return DryRun(inputs);
+  const FlightClient client = Connect(inputs);
+  if (action == "status") {
+    PrintStatus(client.Status());
+  } else if (action == "load") {
+    RequireOption(inputs.mission_path, "mission_path");
+    PrintStatus(client.Load(
+        MissionFromJson(ReadJsonFile(inputs.mission_path), inputs.mission_path.string())));
+  } else if (action == "preflight") {
+    PrintStatus(client.Preflight());
+  } else if (action == "start") {
+    AskBeforeStart(client, inputs);
+    PrintStatus(client.Start());
+  } else if (action == "pause") {
+    PrintStatus(client.Pause());
+  } else if (action == "resume") {
+    PrintStatus(client.Resume());
+  } else if (action == "abort") {
+    if (inputs.how != "rtl" && inputs.how != "land") {
+      throw UsageError("--how " + inputs.how + ": must be rtl or land");
+    }
+    PrintStatus(client.Abort(inputs.how == "land"));
+  } else {
+    WatchEvents(client, cancel);
+  }
+  return 0;
+}
+
+}  // namespace
+
+int RunFlightClient(const Arguments& arguments, const CancelFlag& cancel) {
+  CommandLine line("flight_client",
+                   "Talks to the flight daemon of a workspace: flight_client status | load | "
+                   "preflight | start | pause | resume | abort | watch; and dry_run, which prints "
+                   "what a flight would send.");
+  ClientInputs inputs;
+  line.options().Add("", "workspace_path", &inputs.workspace_path, "folder of the session");
+  line.options().Add("", "mission_path", &inputs.mission_path,
+                     "load, dry_run: mission to fly (docs/flight_api.md)");
+  line.options().Add("", "how", &inputs.how, "abort: rtl (return) or land (here)");
+  line.options().Add("", "stack", &inputs.stack, "dry_run: px4 or ardupilot");
+  line.options().Add("", "yes", &inputs.yes, "start: do not ask");
+  const bool has_action = !arguments.empty() && !arguments[0].starts_with("-");
+  const Arguments rest(arguments.begin() + (has_action ? 1 : 0), arguments.end());
+  if (!line.Parse(rest)) return 0;
+  const std::string action = has_action ? arguments[0] : "";
+  constexpr std::array kActions = {"status", "load",  "preflight", "start",  "pause",
+                                   "resume", "abort", "watch",     "dry_run"};
+  if (std::find(kActions.begin(), kActions.end(), action) == kActions.end()) {
+    throw UsageError(
+        "say what to do: status, load, preflight, start, pause, resume, abort, watch or dry_run");
+  }
+  if (action != "dry_run") RequireOption(inputs.workspace_path, "workspace_path");
+  return Perform(action, inputs, cancel);
+}
+
+}  // namespace colmap_ext

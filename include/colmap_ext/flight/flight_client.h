@@ -1,0 +1,52 @@
+// Talks to the daemon of a workspace (docs/flight_api.md). For the session and for flight_client.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "colmap_ext/flight/flight_mission.h"
+#include "colmap_ext/scene/json_file.h"
+
+namespace colmap_ext {
+
+// flightd.json: how to reach the daemon of a workspace.
+struct DaemonAddress {
+  int port = 0;
+  int pid = 0;
+  std::string token;  // needed by every request; the file is readable for its owner only
+};
+std::filesystem::path DaemonAddressPath(const std::filesystem::path& workspace_path);
+// nullopt: there is no file, or the process that wrote it is gone. Throws Error for a damaged file.
+std::optional<DaemonAddress> FindDaemon(const std::filesystem::path& workspace_path);
+void WriteDaemonAddress(const DaemonAddress& address, const std::filesystem::path& workspace_path);
+
+// Every method throws Error when the daemon cannot be reached, or with its reason when it refuses.
+class FlightClient {
+ public:
+  explicit FlightClient(DaemonAddress address) : address_(std::move(address)) {}
+
+  Json Status() const;
+  Json Load(const FlightMission& mission) const;
+  // `changes`: {"revision", "stops", and what else changes}.
+  Json Append(const Json& changes) const;
+  Json Preflight() const;
+  Json Start() const;
+  Json Pause() const;
+  Json Resume() const;
+  Json Abort(bool land) const;
+  // Any other request with a JSON object as answer.
+  Json Post(const std::string& target, const Json& body) const;
+  // Calls `take` with every event from number `since` on, in order, until it returns false or the
+  // daemon ends (then false). `idle`: called about every 10 s without news; false ends, too.
+  bool Watch(std::size_t since, const std::function<bool(const Json&)>& take,
+             const std::function<bool()>& idle) const;
+
+ private:
+  Json Send(const std::string& method, const std::string& target, const std::string& body) const;
+
+  DaemonAddress address_;
+};
+
+}  // namespace colmap_ext

@@ -80,8 +80,24 @@ bool MachineImpl::IsWaitingForPicture() const {
 bool MachineImpl::TakeUnreported() {
   if (!was_counted_ || counted_index_ <= ledger.last_index || !IsWaitingForPicture()) return false;
   was_counted_ = false;
-  TakeReport(IsFlying() ? *AskedView() : -1, OwnReport(counted_index_));
+  TakeReport(IsAtView(*AskedView()) ? *AskedView() : -1, OwnReport(counted_index_));
   return true;
+}
+
+bool MachineImpl::IsAtView(int view_id) const {
+  for (const FlightStop& stop : mission.stops) {
+    if (stop.view_id != view_id || !vehicle_.position) continue;
+    return (Position() - stop.position).norm() < 2 * options.settle_distance_m;
+  }
+  return false;
+}
+
+// A picture that was asked for before the link or the daemon was lost, and of which the camera
+// tells no more than that it has it.
+void MachineImpl::SettleLatePicture() {
+  const bool is_late =
+      was_counted_ && state != FlightState::kCapture && now_s - counted_s_ > kCameraAnswerS;
+  if (is_late) TakeUnreported();
 }
 
 // Not before the camera had time to say that the last attempt did take a picture: a refusal may be
@@ -156,6 +172,7 @@ void MachineImpl::OnPictureCount(int count) {
   knows_count_ = true;
   if (IsWaitingForPicture()) {
     was_counted_ = true;
+    counted_s_ = now_s;
     counted_index_ = index;
     return;
   }

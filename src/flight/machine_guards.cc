@@ -21,6 +21,7 @@ bool MachineImpl::GuardLink() {
   if (is_heard) {
     if (state != FlightState::kLinkLost) return false;
     ReturnFromLinkLoss();
+    if (IsWaitingForPicture()) AskCamera();
     return true;
   }
   if (state == FlightState::kLinkLost) return true;

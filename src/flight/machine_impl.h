@@ -126,6 +126,8 @@ class MachineImpl {
   void AskCamera();
   bool IsWaitingForPicture() const;
   bool TakeUnreported();
+  void SettleLatePicture();
+  bool IsAtView(int view_id) const;
   void NextAttempt(const std::string& why);
   void TakeReport(int view_id, const CaptureReport& report);
   std::optional<int> AskedView() const;
@@ -174,6 +176,7 @@ class MachineImpl {
   double camera_asked_s_ = -1;  // why no report came
   bool was_counted_ = false;    // the camera has a picture more
   int counted_index_ = -1;
+  double counted_s_ = 0;
   bool knows_count_ = false;                 // the camera told how many pictures it has
   std::set<std::pair<int, bool>> fetching_;  // view id, full resolution
 };

@@ -7,6 +7,11 @@
 #include "flight/machine_impl.h"
 
 namespace colmap_ext {
+namespace {
+
+constexpr double kHeartbeatS = 1.2;  // they come once a second
+
+}  // namespace
 
 const char* Name(AutopilotStack stack) {
   constexpr std::array kNames = {"unknown", "PX4", "ArduPilot"};
@@ -96,7 +101,9 @@ void MachineImpl::Enter(FlightState next, const std::string& why) {
 
 int MachineImpl::Send(FlightCommand command) {
   command.id = next_command_++;
-  if (!MayCommand()) return command.id;
+  const bool is_question =
+      command.kind == CommandKind::kAskCamera && !is_shadow && state != FlightState::kLinkLost;
+  if (!MayCommand() && !is_question) return command.id;
   command.stop = next_stop;
   AwaitedCommand& awaited = last_[command.kind];
   awaited = {};
@@ -146,6 +153,7 @@ void MachineImpl::OnPreflightFacts(const PreflightFacts& facts) {
 void MachineImpl::Advance(const VehicleState& vehicle) {
   vehicle_ = vehicle;
   if (GuardLink() || GuardArming()) return;
+  SettleLatePicture();
   if (!IsFlying()) {
     AdvanceOnGround();
     return;
@@ -177,7 +185,8 @@ void MachineImpl::AdvanceOnGround() {
 void MachineImpl::AdvanceInFlight() {
   switch (state) {
     case FlightState::kArmed:
-      BeginTakeoff();
+      // The take-off changes the mode: not before another heartbeat said that it is still ours.
+      if (InState() > kHeartbeatS) BeginTakeoff();
       return;
     case FlightState::kTakeoff:
       AdvanceTakeoff();

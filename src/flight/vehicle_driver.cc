@@ -14,7 +14,8 @@
 namespace colmap_ext {
 namespace {
 
-constexpr double kHeartbeatS = 1;
+// Twice a second: ArduPilot returns after 4.5 s without one, and a fifth of them may be lost.
+constexpr double kHeartbeatS = 0.5;
 constexpr double kIntroductionS = 2;      // between rounds of questions who the vehicle is
 constexpr int kIntroductionRounds = 4;    // then it is flown without a version
 constexpr double kCameraQuestionS = 0.7;  // between questions for one picture's report

@@ -67,7 +67,7 @@ class FaultTable : public ::testing::TestWithParam<Case> {
     SimulatedAutopilot& drone = flight->drone();
     switch (GetParam().fault) {
       case Fault::kLoss:
-        return flight->SetLoss(0.3);
+        return flight->SetLoss(0.2);
       case Fault::kLinkCut:
       case Fault::kLinkGone:
         return flight->CutLink(true);
@@ -100,7 +100,8 @@ class FaultTable : public ::testing::TestWithParam<Case> {
     if (GetParam().fault == Fault::kGpsGlitch) flight->drone().SetGpsGlitch(0);
     if (GetParam().fault == Fault::kGpsLost) flight->drone().SetGpsLost(false);
     flight->RunUntil(400, [&] { return flight->state() == FlightState::kDisarmed; });
-    flight->Run(10);
+    flight->CutLink(false);  // so that the camera can say what it took
+    flight->Run(20);
   }
 
   static void ExpectGoodEnd(const FlightHarness& flight) {

@@ -31,7 +31,7 @@ std::string CheckStops(const std::vector<FlightStop>& stops) {
   return "";
 }
 
-std::string CheckLimits(const FlightLimits& limits) {
+std::string CheckLimits(const MissionLimits& limits) {
   if (!(limits.min_relative_height_m < limits.max_relative_height_m)) {
     return "limits: min_relative_height_m must be below max_relative_height_m";
   }
@@ -73,8 +73,8 @@ void ReadIfThere(const JsonNode& object, const char* key, T* value, const Read& 
 double NumberOf(const JsonNode& node) { return node.Number(); }
 bool BooleanOf(const JsonNode& node) { return node.Boolean(); }
 
-FlightLimits LimitsFromJson(const JsonNode& node) {
-  FlightLimits limits;
+MissionLimits LimitsFromJson(const JsonNode& node) {
+  MissionLimits limits;
   ReadIfThere(node, "min_relative_height_m", &limits.min_relative_height_m, NumberOf);
   ReadIfThere(node, "max_relative_height_m", &limits.max_relative_height_m, NumberOf);
   ReadIfThere(node, "max_distance_m", &limits.max_distance_m, NumberOf);
@@ -88,7 +88,7 @@ FlightLimits LimitsFromJson(const JsonNode& node) {
   return limits;
 }
 
-Json LimitsToJson(const FlightLimits& limits) {
+Json LimitsToJson(const MissionLimits& limits) {
   Json fence = Json::array();
   for (const Eigen::Vector2d& corner : limits.fence) fence.push_back({corner.x(), corner.y()});
   return {{"min_relative_height_m", limits.min_relative_height_m},

@@ -115,7 +115,7 @@ PreflightItem CheckHome(const VehicleState& vehicle, const FlightMission& missio
         "home", false, false,
         Format("%.0f m from the mission's origin: the mission of another site?", distance_m, 0)};
   }
-  if (!mission.limits.fence.empty() && !IsInside(mission.limits.fence, home.head<2>())) {
+  if (!mission.limits.fence.empty() && !IsInsidePolygon(mission.limits.fence, home.head<2>())) {
     return {"home", false, false, "the vehicle stands outside of the mission's fence"};
   }
   if (!mission.home_z_m) return {"home", true, false, "known (the mission plans no height of it)"};

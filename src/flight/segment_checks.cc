@@ -33,12 +33,12 @@ bool IsOnSegment(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen
          (point - a).dot(b - a) >= -kBorder && (point - b).dot(a - b) >= -kBorder;
 }
 
-std::string CheckFence(const FlightLimits& limits, const Eigen::Vector2d& from,
+std::string CheckFence(const MissionLimits& limits, const Eigen::Vector2d& from,
                        const Eigen::Vector2d& to) {
   const std::vector<Eigen::Vector2d>& fence = limits.fence;
   if (fence.empty()) return "";
-  if (!IsInside(fence, to)) return "the target is outside of the fence";
-  if (!IsInside(fence, from)) return "";  // coming back
+  if (!IsInsidePolygon(fence, to)) return "the target is outside of the fence";
+  if (!IsInsidePolygon(fence, from)) return "";  // coming back
   for (std::size_t i = 0; i < fence.size(); ++i) {
     if (Cross(from, to, fence[i], fence[(i + 1) % fence.size()])) {
       return "the way leaves the fence";
@@ -90,7 +90,7 @@ std::string CheckClearance(const FlightSpace& space, const Eigen::Vector3d& from
 
 }  // namespace
 
-bool IsInside(const std::vector<Eigen::Vector2d>& polygon, const Eigen::Vector2d& point) {
+bool IsInsidePolygon(const std::vector<Eigen::Vector2d>& polygon, const Eigen::Vector2d& point) {
   bool is_inside = false;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Eigen::Vector2d& a = polygon[i];

@@ -318,7 +318,7 @@ TEST(PlanMission, FenceAndTransitHeightAreAroundEverything) {
   EXPECT_EQ(mission.transit_z_m, 25);
   EXPECT_EQ(mission.home_z_m, -1);
   for (const Eigen::Vector2d& point : {Eigen::Vector2d(-29, -29), Eigen::Vector2d(49, 24)}) {
-    EXPECT_TRUE(IsInside(mission.limits.fence, point));
+    EXPECT_TRUE(IsInsidePolygon(mission.limits.fence, point));
   }
   site.frame.is_metric_enu = false;
   EXPECT_THROW(PlanFlightMission(path, site, name, {}), std::exception);

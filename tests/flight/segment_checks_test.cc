@@ -98,11 +98,11 @@ TEST_F(Segments, ADetourGoesOverTheObstacle) {
 
 TEST_F(Segments, InsideOfAPolygon) {
   const std::vector<Eigen::Vector2d> square = {{0, 0}, {2, 0}, {2, 2}, {0, 2}};
-  EXPECT_TRUE(IsInside(square, {1, 1}));
-  EXPECT_TRUE(IsInside(square, {2, 1})) << "the border";
-  EXPECT_TRUE(IsInside(square, {0, 0})) << "a corner";
-  EXPECT_FALSE(IsInside(square, {3, 1}));
-  EXPECT_FALSE(IsInside(square, {-1, 0})) << "level with a corner";
+  EXPECT_TRUE(IsInsidePolygon(square, {1, 1}));
+  EXPECT_TRUE(IsInsidePolygon(square, {2, 1})) << "the border";
+  EXPECT_TRUE(IsInsidePolygon(square, {0, 0})) << "a corner";
+  EXPECT_FALSE(IsInsidePolygon(square, {3, 1}));
+  EXPECT_FALSE(IsInsidePolygon(square, {-1, 0})) << "level with a corner";
 }
 
 TEST(BatteryNeeded, IsTimeByConsumption) {

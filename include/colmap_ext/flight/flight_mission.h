@@ -21,7 +21,7 @@ struct FlightStop {
 };
 
 // Where the vehicle may be. Checked by the daemon for every segment, whatever the planner said.
-struct FlightLimits {
+struct MissionLimits {
   double min_relative_height_m = 1.5;  // above home, on the way between views
   double max_relative_height_m = 120;  // above home; 120 m is the law in the EU and the US
   double max_distance_m = 500;         // from home, horizontally
@@ -39,7 +39,7 @@ struct FlightMission {
   // stands more than 2 m off.
   std::optional<double> home_z_m;
   std::vector<FlightStop> stops;
-  FlightLimits limits;
+  MissionLimits limits;
   double speed_m_s = 3;  // (0, 30]
   // Least distance from `surface` anywhere, metres; the planner's, less its tolerance of proof.
   double safe_distance_m = 5;

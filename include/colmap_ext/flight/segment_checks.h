@@ -14,7 +14,7 @@ namespace colmap_ext {
 
 // What segments are checked against. Positions are in the mission's world.
 struct FlightSpace {
-  FlightLimits limits;
+  MissionLimits limits;
   Eigen::Vector3d home = Eigen::Vector3d::Zero();
   double safe_distance_m = 0;
   // Clearance is proved down to safe_distance_m - slack_m: the vehicle starts a segment where it
@@ -32,7 +32,7 @@ std::string CheckSegment(const FlightSpace& space, const Eigen::Vector3d& from,
                          const Eigen::Vector3d& to);
 
 // Whether the point is inside the polygon (even-odd rule; the border counts as inside).
-bool IsInside(const std::vector<Eigen::Vector2d>& polygon, const Eigen::Vector2d& point);
+bool IsInsidePolygon(const std::vector<Eigen::Vector2d>& polygon, const Eigen::Vector2d& point);
 
 // The points to fly to, in order, to come from `from` to `to`: {to}, or, where the straight line is
 // refused or `must_detour`, up to `transit_z_m`, over, and down. Empty, with the reason in

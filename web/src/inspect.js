@@ -72,7 +72,7 @@ function pointCard(app) {
       rows.push([
         'Predicted error',
         coverage.errorUm[iso] < 0
-          ? 'unknown: no pair of views'
+          ? 'unknown: no photo sees it'
           : metres(coverage.errorUm[iso] / 1e6),
       ]);
     }

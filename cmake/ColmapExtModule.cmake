@@ -21,11 +21,17 @@ function(colmap_ext_module name)
   endif()
   add_library(colmap_ext_${name} STATIC ${sources})
   add_library(colmap_ext::${name} ALIAS colmap_ext_${name})
-  target_include_directories(colmap_ext_${name} PUBLIC ${CMAKE_SOURCE_DIR}/include
-                                                PRIVATE ${CMAKE_SOURCE_DIR}/src)
+  target_include_directories(
+    colmap_ext_${name}
+    PUBLIC $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/include>
+           $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
+    PRIVATE ${CMAKE_SOURCE_DIR}/src)
   list(TRANSFORM ARG_DEPENDS PREPEND colmap_ext_)
   target_link_libraries(colmap_ext_${name} PUBLIC ${ARG_DEPENDS} ${ARG_LIBRARIES}
-                                           PRIVATE colmap_ext_warnings)
+                                           PRIVATE $<BUILD_INTERFACE:colmap_ext_warnings>)
+  set_target_properties(colmap_ext_${name} PROPERTIES EXPORT_NAME ${name})
+  install(TARGETS colmap_ext_${name} EXPORT colmap_ext-targets COMPONENT development
+          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
   set_property(GLOBAL APPEND PROPERTY COLMAP_EXT_MODULES colmap_ext_${name})
 endfunction()
 

@@ -3,24 +3,21 @@
 
 #include <filesystem>
 
+#include "colmap_ext/util/file_lock.h"
+
 namespace colmap_ext {
 
-// Holds an exclusive lock (flock) for a database from construction to destruction, by a file beside
-// it that goes away with the lock. The system releases the lock of a killed program.
+// Holds the lock of a database from construction to destruction, by a file beside it.
 class UpdateLock {
  public:
   // Throws Error when another program holds the lock, at once.
   explicit UpdateLock(const std::filesystem::path& database_path);
-  ~UpdateLock();
-  UpdateLock(const UpdateLock&) = delete;
-  UpdateLock& operator=(const UpdateLock&) = delete;
 
   // The file of the lock for this database.
   static std::filesystem::path PathFor(const std::filesystem::path& database_path);
 
  private:
-  std::filesystem::path path_;
-  int descriptor_ = -1;
+  FileLock lock_;
 };
 
 }  // namespace colmap_ext

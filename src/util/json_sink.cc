@@ -1,0 +1,80 @@
+#include "colmap_ext/util/json_sink.h"
+
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace colmap_ext {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* NameOf(LogLevel level) {
+  switch (level) {
+    case LogLevel::kDebug:
+      return "debug";
+    case LogLevel::kInfo:
+      return "info";
+    case LogLevel::kWarning:
+      return "warning";
+    case LogLevel::kError:
+      return "error";
+  }
+  return "error";
+}
+
+std::string UtcNow() {
+  const auto now = std::chrono::system_clock::now();
+  const std::time_t seconds = std::chrono::system_clock::to_time_t(now);
+  const auto ms =
+      std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count() % 1000;
+  std::tm utc{};
+  gmtime_r(&seconds, &utc);
+  char date[32], text[48];
+  std::strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%S", &utc);
+  std::snprintf(text, sizeof text, "%s.%03dZ", date, static_cast<int>(ms));
+  return text;
+}
+
+void PrintLine(const Json& line) {
+  const std::string text = line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  std::fwrite(text.data(), 1, text.size(), stderr);
+  std::fflush(stderr);
+}
+
+}  // namespace
+
+struct JsonSink::State {
+  std::mutex mutex;
+  LogLevel min_level = LogLevel::kInfo;
+  std::string stage;           // of the last progress
+  std::size_t last_tenth = 0;  // of the last line of progress
+};
+
+JsonSink::JsonSink(LogLevel min_level) : state_(std::make_unique<State>()) {
+  state_->min_level = min_level;
+}
+
+JsonSink::~JsonSink() = default;
+
+void JsonSink::Message(LogLevel level, std::string_view text) {
+  if (level < state_->min_level) return;
+  const std::lock_guard lock(state_->mutex);
+  PrintLine({{"time", UtcNow()}, {"level", NameOf(level)}, {"message", text}});
+}
+
+void JsonSink::Progress(std::string_view stage, std::size_t done, std::size_t total) {
+  if (LogLevel::kInfo < state_->min_level) return;
+  const std::lock_guard lock(state_->mutex);
+  const std::size_t tenth = total == 0 ? 10 : done * 10 / total;
+  const bool is_new = state_->stage != stage || tenth < state_->last_tenth;
+  if (!is_new && tenth == state_->last_tenth) return;
+  state_->stage = stage;
+  state_->last_tenth = tenth;
+  PrintLine({{"time", UtcNow()}, {"stage", stage}, {"done", done}, {"total", total}});
+}
+
+}  // namespace colmap_ext

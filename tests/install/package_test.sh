@@ -15,7 +15,7 @@ development="$(ls "$work"/libcolmap-ext-dev_*.deb)"
 must_have() { grep -E -m1 "$2" <<<"$1" || { echo "missing: $2 in: $1" >&2; exit 1; }; }
 
 depends="$(dpkg-deb -f "$runtime" Depends)"
-for package in colmap libceres libembree libopen3d libopencv-core libtbb; do
+for package in colmap libembree libopen3d libopencv-core libtbb; do
   must_have "$depends" "(^|, )$package" >/dev/null
 done
 must_have "$(dpkg-deb -f "$development" Depends)" "libeigen3-dev" >/dev/null

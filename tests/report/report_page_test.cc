@@ -23,7 +23,9 @@ namespace fs = std::filesystem;
 class ReportPageTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    root_ = fs::path(::testing::TempDir()) / "report <page> & \"test\"";
+    root_ = fs::path(::testing::TempDir()) /
+            (std::string("report <page> & \"test\" ") +
+             ::testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::remove_all(root_);
     WriteSummary(MadeUpSession(3), Workspace(root_).summary_json());
     for (int i = 0; i < 3; ++i) {
@@ -108,7 +110,8 @@ TEST_F(ReportPageTest, NamesAreEscaped) {
   EXPECT_EQ(page.find("<page>"), std::string::npos);
   EXPECT_EQ(page.find("a <b>"), std::string::npos);
   EXPECT_NE(page.find("a &lt;b&gt;&amp;&quot;c&#39;.jpg"), std::string::npos);
-  EXPECT_NE(page.find("report &lt;page&gt; &amp; &quot;test&quot;</h1>"), std::string::npos);
+  EXPECT_NE(page.find("report &lt;page&gt; &amp; &quot;test&quot; NamesAreEscaped</h1>"),
+            std::string::npos);
 }
 
 TEST_F(ReportPageTest, ChangedPicturesAreCopiedAgain) {

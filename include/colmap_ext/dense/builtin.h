@@ -12,7 +12,7 @@ namespace colmap_ext {
 std::vector<DepthRange> DepthRanges(const PhotoSet& photos,
                                     const std::filesystem::path& prior_path);
 
-// Memory that matching one photo takes, MiB, measured within 20 %.
+// Memory that matching one photo takes, MiB: an estimate from the sizes of its buffers.
 double MatchingMemoryMib(const PinholeCamera& camera, int num_partners);
 
 // Three passes over the photos, each parallel over photos: depth from the partners

@@ -28,6 +28,11 @@ void BindInputs(OptionSet& set, SessionInputs* inputs) {
   set.Add("", "geo_path", &inputs->geo_path, "positions of photos: lines of name lon lat alt");
   set.Add("", "pose_prior_path", &inputs->pose_prior_path,
           "positions of photos in local metres: lines of name x y z");
+  set.Add("", "picture_url", &inputs->picture_url,
+          "real vehicle: where its camera's pictures are, with {index} and {resolution}");
+  set.Add("", "capture_folder", &inputs->capture_folder,
+          "real vehicle: folder in which somebody else puts the pictures");
+  set.Add("", "yes", &inputs->yes, "real vehicle: do not ask before it arms");
   set.Add("", "colmap_path", &inputs->colmap_path, "the colmap program; default: on the PATH");
 }
 
@@ -42,7 +47,7 @@ int RunActiveCapture(const Arguments& arguments, const CancelFlag& cancel) {
       "again when there are new photos. A session that was stopped goes on.");
   SessionInputs inputs;
   StageOptions options;
-  std::string preset;
+  std::string preset, vehicle;
   int serve_port = 0;
   BindInputs(line.options(), &inputs);
   line.options().Add("", "preset", &preset,
@@ -51,6 +56,7 @@ int RunActiveCapture(const Arguments& arguments, const CancelFlag& cancel) {
   line.options().Add("", "serve", &serve_port,
                      "show the session on a page at http://127.0.0.1:PORT/ while it runs, and "
                      "after, until Ctrl-C; 0: any free port");
+  line.options().Add("", "vehicle", &vehicle, "the same as --Session.vehicle");
   BindOptions(line.options(), &options);
   if (!line.Parse(arguments)) return 0;
   RequireOption(inputs.workspace_path, "workspace_path");
@@ -63,6 +69,7 @@ int RunActiveCapture(const Arguments& arguments, const CancelFlag& cancel) {
       !line.options().IsSet("Session.fit_to_site")) {
     options.session.fit_to_site = !line.options().IsSet("Coverage.ground_sampling_distance_mm");
   }
+  if (!vehicle.empty()) options.session.vehicle = vehicle;
   if (preset.empty()) preset = inputs.scene == "boxes" ? "indoor" : "outdoor";
   ApplyPreset(preset, line.options(), &options);
   inputs.Check();

@@ -13,6 +13,13 @@ std::string SessionOptions::Check() const {
     return "Session.target_covered_ratio must be above 0 and at most 1";
   }
   if (max_image_size_px < 160) return "Session.max_image_size_px must be at least 160";
+  if (vehicle.empty()) return "Session.vehicle must be embedded, simulated or a connection";
+  if (personality != "px4" && personality != "ardupilot") {
+    return "Session.personality must be px4 or ardupilot";
+  }
+  if (!(simulation_speed >= 0.1 && simulation_speed <= 100)) {
+    return "Session.simulation_speed must be from 0.1 to 100";
+  }
   return "";
 }
 
@@ -20,8 +27,8 @@ std::string StageOptions::Check() const {
   for (const std::string& complaint :
        {session.Check(), sparse.Check(), superpixels.Check(), stereo.Check(), points.Check(),
         surface.Check(), coverage.Check(), region.Check(), nbv.Check(), path.Check(),
-        initial_flight.Check(), mission.Check(), simulation.Check(), render.Check(),
-        evaluation.Check(), page.Check()}) {
+        initial_flight.Check(), mission.Check(), simulation.Check(), render.Check(), flight.Check(),
+        flight_plan.Check(), evaluation.Check(), page.Check()}) {
     if (!complaint.empty()) return complaint;
   }
   return "";
@@ -43,7 +50,14 @@ void BindOptions(OptionSet& set, StageOptions* options) {
   set.Add("Session", "dense_output", &session.dense_output,
           "write meshes/ and dense/ (COLMAP's maps) of every iteration; 5 MB a photo");
   set.Add("Session", "full_resolution", &session.full_resolution,
-          "simulation: also photos at full resolution, in images_full/");
+          "also photos at full resolution, in images_full/");
+  set.Add("Session", "vehicle", &session.vehicle,
+          "embedded (renderer only), simulated (flight daemon and drone as processes) or the "
+          "connection of a real vehicle, udpin://0.0.0.0:14550 …");
+  set.Add("Session", "personality", &session.personality,
+          "of the simulated drone: px4 or ardupilot");
+  set.Add("Session", "simulation_speed", &session.simulation_speed,
+          "simulated seconds a second [0.1 … 100]");
   BindOptions(set, &options->sparse);
   BindOptions(set, &options->superpixels);
   BindOptions(set, &options->stereo);
@@ -57,6 +71,8 @@ void BindOptions(OptionSet& set, StageOptions* options) {
   BindOptions(set, &options->mission);
   BindOptions(set, &options->simulation);
   BindOptions(set, &options->render);
+  BindOptions(set, &options->flight);
+  BindOptions(set, &options->flight_plan);
   BindOptions(set, &options->evaluation);
   BindOptions(set, &options->page);
 }
@@ -110,6 +126,12 @@ void ApplyPreset(const std::string& preset, const OptionSet& set, StageOptions* 
   assign("Georegistration.max_residual_m", 0.5, &options->sparse.georegistration.max_residual_m);
   assign("Georegistration.loss_scale_m", 0.05, &options->sparse.georegistration.loss_scale_m);
   assign("Simulation.gps_noise_m", 0.01, &options->simulation.gps_noise_m);  // a Vicon room
+  assign("Flight.settle_distance_m", 0.1, &options->flight.settle_distance_m);
+  assign("Flight.settle_speed_m_s", 0.1, &options->flight.settle_speed_m_s);
+  assign("Flight.takeoff_height_m", 0.5, &options->flight.takeoff_height_m);
+  assign("FlightPlan.fence_margin_m", 2.0, &options->flight_plan.fence_margin_m);
+  assign("FlightPlan.transit_margin_m", 0.5, &options->flight_plan.transit_margin_m);
+  assign("FlightPlan.min_relative_height_m", 0.2, &options->flight_plan.min_relative_height_m);
   assign("ModelEvaluator.sample_spacing_m", 0.02, &options->evaluation.sample_spacing_m);
 }
 

@@ -1,6 +1,7 @@
 #include "colmap_ext/session/session.h"
 
 #include <algorithm>
+#include <memory>
 
 #include "colmap_ext/report/session_page.h"
 #include "colmap_ext/report/summary_json.h"
@@ -10,9 +11,11 @@
 #include "colmap_ext/scene/view_plan_io.h"
 #include "colmap_ext/scene/workspace.h"
 #include "colmap_ext/sfm/colmap_program.h"
+#include "colmap_ext/sfm/feature_extraction.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
 #include "colmap_ext/util/stage_timer.h"
+#include "session/flown_capture.h"
 #include "session/iteration.h"
 #include "session/session_state.h"
 #include "session/simulated_site.h"
@@ -140,6 +143,59 @@ std::vector<Waypoint> NextFlight(const SimulatedSite& site, Session* session) {
   return ReadPath(before.path_json()).waypoints;
 }
 
+// Null for photos without a flight.
+std::unique_ptr<FlownCapture> MakeVehicle(const Session& session, const SimulatedSite& site,
+                                          const JobControl& job) {
+  if (session.options.session.vehicle == "embedded") return nullptr;
+  return std::make_unique<FlownCapture>(session.inputs, session.options, session.workspace,
+                                        site.Surroundings().box.max().z(), job);
+}
+
+SparseUpdateInput SimulatedInput(const SimulatedSite& site, const Session& session) {
+  SparseUpdateInput input;
+  input.colmap_path = session.inputs.colmap_path;
+  input.image_path = session.workspace.images();
+  input.database_path = session.workspace.database();
+  input.work_path = session.workspace.logs();
+  input.camera = ToCamera(session.options.simulation.LowCamera());
+  input.frame.origin = site.truth().origin;
+  return input;
+}
+
+// Where the vehicle flies, and what it has to keep away from: the surface of the iteration before,
+// or, at the first flight, nothing that is known but the straight lines that a person vouches for.
+FlightTask TaskFor(const std::vector<Waypoint>& waypoints, const SparseUpdateInput& input,
+                   const Session& session) {
+  FlightTask task;
+  task.waypoints = waypoints;
+  task.site.frame.is_metric_enu = true;
+  task.site.frame.origin = input.frame.origin;
+  task.site.safe_distance_m = session.options.path.safe_distance_m;
+  task.site.speed_m_s = session.options.path.speed_m_s;
+  task.site.full_resolution = session.options.session.full_resolution;
+  if (session.state.iterations_done == 0) return task;
+  const IterationFiles before{session.workspace.iteration(session.state.iterations_done - 1)};
+  task.site.frame = ReadWorldFrame(before.frame_json());
+  task.site.surface_path = fs::absolute(before.surface_ply());
+  task.site.box = BoundsOf(ReadMesh(before.surface_ply()));
+  return task;
+}
+
+// Flies, and extracts the features of the photos that are there while the vehicle flies on.
+void FlyAndPrepare(const std::vector<Waypoint>& waypoints, const IterationContext& context,
+                   const Session& session, FlownCapture* vehicle, const JobControl& job) {
+  constexpr int kBatch = 8;  // each one starts colmap once
+  int prepared = 0;
+  vehicle->Fly(
+      TaskFor(waypoints, context.sparse, session),
+      [&](int photos) {
+        if (photos - prepared < kBatch) return;
+        prepared = photos;
+        ExtractNewFeatures(context.sparse, session.options.sparse, JobControl());
+      },
+      job);
+}
+
 SessionSummary RunSimulation(Session session, const JobControl& job) {
   if (IsFinished(session)) {
     job.Info("This session is finished (" + session.state.finished + ").");
@@ -151,18 +207,20 @@ SessionSummary RunSimulation(Session session, const JobControl& job) {
   WriteMesh(site.truth().model, workspace.root() / "truth" / "model.ply");
   session.state.finished.clear();
   StereoMemory stereo_memory;
+  const std::unique_ptr<FlownCapture> vehicle = MakeVehicle(session, site, job);
   while (session.state.finished.empty()) {
     AnnounceIteration(session, job);
     RemoveUnfinishedIteration(session);
-    const StageTimer timer;
-    site.Capture(NextFlight(site, &session), workspace, job);
-    const StageCost capture = timer.Stop();
-
     IterationContext context{workspace, &session.options, {}, {}, {}, nullptr};
-    context.sparse.colmap_path = session.inputs.colmap_path;
-    context.sparse.image_path = workspace.images();
-    context.sparse.camera = ToCamera(session.options.simulation.LowCamera());
-    context.sparse.frame.origin = site.truth().origin;
+    context.sparse = SimulatedInput(site, session);
+    const StageTimer timer;
+    const std::vector<Waypoint> waypoints = NextFlight(site, &session);
+    if (vehicle) {
+      FlyAndPrepare(waypoints, context, session, vehicle.get(), job);
+    } else {
+      site.Capture(waypoints, workspace, job);
+    }
+    const StageCost capture = timer.Stop();
     context.true_poses_path = SimulatedSite::TruePosesPath(workspace);
     context.truth = &site.truth();
     context.stereo_memory = &stereo_memory;
@@ -172,6 +230,7 @@ SessionSummary RunSimulation(Session session, const JobControl& job) {
     FinishIteration(result, &session, job);
     AnnounceResult(result, job);
   }
+  if (vehicle) vehicle->Finish(job);
   return session.summary;
 }
 

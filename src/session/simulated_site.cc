@@ -21,8 +21,8 @@ SimulatedSite::SimulatedSite(const SessionInputs& inputs, const StageOptions& op
                              const JobControl& job)
     : scene_(MakeOrLoadScene(inputs, options, job)),
       truth_(scene_.Truth()),
-      renderer_(scene_, options.render),
-      camera_(renderer_, truth_.origin, options.simulation),
+      render_options_(options.render),
+      camera_options_(options.simulation),
       full_resolution_(options.session.full_resolution) {}
 
 RegionOfInterest SimulatedSite::Surroundings() const { return {BoundsOf(truth_.model)}; }
@@ -48,13 +48,15 @@ void SimulatedSite::Capture(const std::vector<Waypoint>& waypoints, const Worksp
     view.direction = waypoint.direction;
     views.push_back(view);
   }
+  if (!renderer_) renderer_.emplace(scene_, render_options_);
+  const SimulatedCamera camera(*renderer_, truth_.origin, camera_options_);
   std::vector<TruePose> poses;
   for (std::size_t i = 0; i < views.size(); ++i) {
     job.ThrowIfCancelled();
     const std::string name = PhotoName(views[i].id);
-    CaptureOnce(views[i], workspace.images() / name, PhotoResolution::kLow);
+    CaptureOnce(camera, views[i], workspace.images() / name, PhotoResolution::kLow);
     if (full_resolution_) {
-      CaptureOnce(views[i], workspace.images_full() / name, PhotoResolution::kFull);
+      CaptureOnce(camera, views[i], workspace.images_full() / name, PhotoResolution::kFull);
     }
     poses.push_back({name, CamFromWorld(views[i].position, views[i].direction)});
     job.Progress("photos", i + 1, views.size());
@@ -62,9 +64,10 @@ void SimulatedSite::Capture(const std::vector<Waypoint>& waypoints, const Worksp
   UpdateTruePoses(poses, TruePosesPath(workspace));
 }
 
-void SimulatedSite::CaptureOnce(const PlannedView& view, const std::filesystem::path& path,
+void SimulatedSite::CaptureOnce(const SimulatedCamera& camera, const PlannedView& view,
+                                const std::filesystem::path& path,
                                 PhotoResolution resolution) const {
-  if (!std::filesystem::exists(path)) camera_.CapturePhoto(view, path, resolution);
+  if (!std::filesystem::exists(path)) camera.CapturePhoto(view, path, resolution);
 }
 
 }  // namespace colmap_ext

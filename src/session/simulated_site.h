@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,6 @@ class SimulatedSite {
   // What the pilot knows beforehand: where the object stands and how large it is.
   RegionOfInterest Surroundings() const;
   const GroundTruth& truth() const { return truth_; }
-  const SimulatedCamera& camera() const { return camera_; }
 
   // Photographs every waypoint that has a view, into workspace.images(). A photo that is there
   // already stays: it has the same content. Also brings truth/poses.txt up to date.
@@ -38,13 +38,15 @@ class SimulatedSite {
   static std::filesystem::path TruePosesPath(const Workspace& workspace);
 
  private:
-  void CaptureOnce(const PlannedView& view, const std::filesystem::path& path,
-                   PhotoResolution resolution) const;
+  void CaptureOnce(const SimulatedCamera& camera, const PlannedView& view,
+                   const std::filesystem::path& path, PhotoResolution resolution) const;
 
   TexturedScene scene_;
   GroundTruth truth_;
-  Renderer renderer_;
-  SimulatedCamera camera_;  // refers to renderer_
+  RenderOptions render_options_;
+  SimulatedCameraOptions camera_options_;
+  // Made when the first photo is taken here: a drone brings its own.
+  mutable std::optional<Renderer> renderer_;
   bool full_resolution_;
 };
 

@@ -8,6 +8,7 @@
 
 #include "colmap_ext/scene/database.h"
 #include "colmap_ext/sfm/colmap_program.h"
+#include "colmap_ext/sfm/feature_extraction.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
 #include "colmap_ext/util/statistics.h"
@@ -149,6 +150,14 @@ class Updater {
     FillReport();
     SaveStep(&databases);
     return std::move(result_);
+  }
+
+  void Extract() {
+    RequireWritableFolder(input_.work_path, "work folder");
+    UpdateDatabase databases(input_.database_path, input_.base_database_path, input_.work_path,
+                             &colmap_, job_);
+    ExtractStep(databases);
+    databases.Commit();
   }
 
  private:
@@ -424,6 +433,12 @@ SparseUpdateResult UpdateSparseModel(const SparseUpdateInput& input,
                                      const SparseUpdateOptions& options, const JobControl& job) {
   ThrowIfInvalid(options.Check());
   return Updater(input, options, job).Run();
+}
+
+void ExtractNewFeatures(const SparseUpdateInput& input, const SparseUpdateOptions& options,
+                        const JobControl& job) {
+  ThrowIfInvalid(options.Check());
+  Updater(input, options, job).Extract();
 }
 
 }  // namespace colmap_ext

@@ -26,6 +26,11 @@ struct SessionInputs {
   std::filesystem::path pose_prior_path;  // name x y z, local metres
   std::string colmap_path;                // program; empty: `colmap` on the PATH
 
+  // A real vehicle (SessionOptions::vehicle): where its camera's pictures are (see DaemonOptions).
+  std::string picture_url;
+  std::filesystem::path capture_folder;
+  bool yes = false;  // do not ask before it arms
+
   // Throws UsageError for a combination that makes no sense, Error for a folder that is not there.
   void Check() const;
   bool IsSimulation() const { return !scene.empty() || !scene_path.empty(); }

@@ -7,6 +7,8 @@
 #include "colmap_ext/coverage/coverage.h"
 #include "colmap_ext/coverage/region.h"
 #include "colmap_ext/eval/evaluate.h"
+#include "colmap_ext/flight/flight_options.h"
+#include "colmap_ext/flight/plan_mission.h"
 #include "colmap_ext/mission/mission.h"
 #include "colmap_ext/mission/patterns.h"
 #include "colmap_ext/mvs/points.h"
@@ -38,7 +40,13 @@ struct SessionOptions {
   bool pictures = true;  // write the pictures of every iteration
   // Write meshes/ and dense/ (COLMAP's depth and normal maps) of every iteration: 5 MB a photo.
   bool dense_output = false;
-  bool full_resolution = false;  // simulation: also photos at full resolution, in images_full/
+  bool full_resolution = false;  // also photos at full resolution, in images_full/
+  // Who takes the photos of a simulated session, or flies after a person's photos: "embedded" (the
+  // renderer in this process, without a flight), "simulated" (daemon and simulated drone as child
+  // processes), or a connection to a real vehicle (docs/flying.md).
+  std::string vehicle = "embedded";
+  std::string personality = "px4";  // of the simulated drone: px4 or ardupilot
+  double simulation_speed = 10;     // simulated seconds in one of the wall's, [0.1, 100]
 
   std::string Check() const;
 };
@@ -59,6 +67,8 @@ struct StageOptions {
   MissionOptions mission;
   SimulatedCameraOptions simulation;
   RenderOptions render;
+  FlightOptions flight;
+  FlightPlanOptions flight_plan;
   EvaluationOptions evaluation;
   PageOptions page;
 

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "colmap_ext/report/page_server.h"
+#include "colmap_ext/report/summary_json.h"
 #include "colmap_ext/report/summary_table.h"
 #include "colmap_ext/scene/workspace.h"
 #include "colmap_ext/session/presets.h"
@@ -38,7 +39,7 @@ void BindInputs(OptionSet& set, SessionInputs* inputs) {
 
 }  // namespace
 
-int RunActiveCapture(const Arguments& arguments, const CancelFlag& cancel) {
+int RunActiveCapture(const Arguments& arguments, Program& program) {
   CommandLine line(
       "active_capture",
       "The whole loop. With --scene or --scene_path: a simulated drone flies until every "
@@ -58,7 +59,7 @@ int RunActiveCapture(const Arguments& arguments, const CancelFlag& cancel) {
                      "after, until Ctrl-C; 0: any free port");
   line.options().Add("", "vehicle", &vehicle, "the same as --Session.vehicle");
   BindOptions(line.options(), &options);
-  if (!line.Parse(arguments)) return 0;
+  if (!line.Parse(arguments, &program.log)) return 0;
   RequireOption(inputs.workspace_path, "workspace_path");
 
   const Workspace workspace(inputs.workspace_path);
@@ -77,16 +78,16 @@ int RunActiveCapture(const Arguments& arguments, const CancelFlag& cancel) {
   RequireWritableFolder(inputs.workspace_path, "workspace");
   WriteFileAtomically(workspace.session_ini(), line.options().ToIni());
 
-  ConsoleSink console(line.log_level());
   std::unique_ptr<PageServer> server;
   if (line.options().IsSet("serve")) {
-    server = std::make_unique<PageServer>(workspace, options.page, serve_port, &console);
+    server = std::make_unique<PageServer>(workspace, options.page, serve_port, &program.log);
     server->Message(LogLevel::kInfo, "The session's page: " + server->url());
   }
-  ProgressSink* const sink = server ? static_cast<ProgressSink*>(server.get()) : &console;
-  const JobControl job(sink, &cancel);
+  ProgressSink* const sink = server ? static_cast<ProgressSink*>(server.get()) : &program.log;
+  const JobControl job(sink, &program.cancel);
   const SessionSummary summary = RunSession(inputs, options, job);
   std::cout << '\n' << SummaryTable(summary);
+  program.log.Result(SummaryToJson(summary));
   if (server) {
     server->Finish();
     job.Info("The page stays at " + server->url() + " until Ctrl-C");

@@ -75,9 +75,11 @@ struct OutputFiles {
   std::filesystem::path ply, json, map;
 };
 
-void WriteResults(const Surface& surface, const CoverageMap& map, const RegionOfInterest& region,
-                  const WorldFrame& frame, const Options& options, const OutputFiles& files,
-                  const JobControl& job) {
+// Returns the numbers of the log's result.
+ProgramLog::Json WriteResults(const Surface& surface, const CoverageMap& map,
+                              const RegionOfInterest& region, const WorldFrame& frame,
+                              const Options& options, const OutputFiles& files,
+                              const JobControl& job) {
   WriteCoverageMap(map, files.ply);
   WriteCoverageSummary(map, ThresholdsOf(options.coverage), files.json);
   if (frame.is_metric_enu) {
@@ -88,9 +90,15 @@ void WriteResults(const Surface& surface, const CoverageMap& map, const RegionOf
                 100 * map.CoveredRatio(), map.Count(CoverageClass::kCovered),
                 map.Count(CoverageClass::kUncovered), map.Count(CoverageClass::kIgnored));
   job.Info(std::string(text) + ": " + files.ply.string());
+  return {{"covered_ratio", map.CoveredRatio()},
+          {"covered", map.Count(CoverageClass::kCovered)},
+          {"uncovered", map.Count(CoverageClass::kUncovered)},
+          {"ignored", map.Count(CoverageClass::kIgnored)},
+          {"output_path", files.ply.parent_path().string()}};
 }
 
-void RunInWorkspace(const Workspace& workspace, const Options& options, const JobControl& job) {
+ProgramLog::Json RunInWorkspace(const Workspace& workspace, const Options& options,
+                                const JobControl& job) {
   const IterationFiles files = LatestIterationFiles(workspace);
   RequireFile(files.surface_ply(), "surface (surface_reconstructor writes it)");
   const StageTimer timer;
@@ -99,13 +107,13 @@ void RunInWorkspace(const Workspace& workspace, const Options& options, const Jo
   const RegionOfInterest region = RegionOfWorkspace(workspace, options.region);
   const CoverageMap map = EvaluateCoverage(surface, photos.photos, region, options.coverage, job);
   const StageCost cost = timer.Stop();
-  WriteResults(surface, map, region, FrameOrMetric(files.frame_json()), options,
-               {files.coverage_ply(), files.coverage_json(), files.folder / "coverage_map.png"},
-               job);
   RecordStageCost(files.timing_json(), "coverage", cost);
+  return WriteResults(
+      surface, map, region, FrameOrMetric(files.frame_json()), options,
+      {files.coverage_ply(), files.coverage_json(), files.folder / "coverage_map.png"}, job);
 }
 
-void RunOnFiles(const Paths& paths, const Options& options, const JobControl& job) {
+ProgramLog::Json RunOnFiles(const Paths& paths, const Options& options, const JobControl& job) {
   RequireFolder(paths.input, "sparse model");
   const PhotoSet photos = LoadPosesOnly(paths.input, options.max_width_px);
   const WorldFrame frame = FrameOrMetric(paths.input / ".." / "frame.json");
@@ -113,15 +121,15 @@ void RunOnFiles(const Paths& paths, const Options& options, const JobControl& jo
   const Surface surface = ReadSurfaceMeshOrCloud(paths.mesh, photos, region, options, job);
   RequireWritableFolder(paths.output, "output folder");
   const CoverageMap map = EvaluateCoverage(surface, photos.photos, region, options.coverage, job);
-  WriteResults(surface, map, region, frame, options,
-               {paths.output / "coverage.ply", paths.output / "coverage.json",
-                paths.output / "coverage_map.png"},
-               job);
+  return WriteResults(surface, map, region, frame, options,
+                      {paths.output / "coverage.ply", paths.output / "coverage.json",
+                       paths.output / "coverage_map.png"},
+                      job);
 }
 
 }  // namespace
 
-int RunCoverageEvaluator(const Arguments& arguments, const CancelFlag& cancel) {
+int RunCoverageEvaluator(const Arguments& arguments, Program& program) {
   CommandLine line(
       "coverage_evaluator",
       "Tells where the photos suffice for a good model: covered, uncovered, or ignored "
@@ -144,21 +152,20 @@ int RunCoverageEvaluator(const Arguments& arguments, const CancelFlag& cancel) {
   BindOptions(line.options(), &options.region);
   BindOptions(line.options(), &options.surface);
   BindOptions(line.options(), &options.ortho_map);
-  if (!line.Parse(arguments)) return 0;
+  if (!line.Parse(arguments, &program.log)) return 0;
   CheckPaths(paths);
   if (options.max_width_px < 0) throw UsageError("--max_image_size_px must not be negative");
 
-  ConsoleSink sink(line.log_level());
-  const JobControl job(&sink, &cancel);
+  const JobControl job = program.Job();
   constexpr int kAsTheyAre = 1 << 30;
   if (!paths.workspace.empty()) {
     const Workspace workspace(paths.workspace);
     TakeSessionOptions(workspace, &line.options());
     if (options.max_width_px == 0) options.max_width_px = SessionImageWidth(workspace);
-    RunInWorkspace(workspace, options, job);
+    program.log.Result(RunInWorkspace(workspace, options, job));
   } else {
     if (options.max_width_px == 0) options.max_width_px = kAsTheyAre;
-    RunOnFiles(paths, options, job);
+    program.log.Result(RunOnFiles(paths, options, job));
   }
   return 0;
 }

@@ -131,24 +131,23 @@ void WriteSurfaceOf(const OrientedPoints& points, const RegionOfInterest& region
 
 }  // namespace
 
-int RunDenseReconstructor(const Arguments& arguments, const CancelFlag& cancel) {
+int RunDenseReconstructor(const Arguments& arguments, Program& program) {
   DenseReconstructorOptions o;
   CommandLine line("dense_reconstructor",
                    "Photos with poses to a dense cloud (fused.ply) and a mesh (surface.ply), "
                    "offline. Takes any COLMAP model; photos may be larger than those the model was "
                    "made from. A run that was stopped goes on when it is started again.");
   AddOptions(&o, &line.options());
-  if (!line.Parse(arguments)) return 0;
+  if (!line.Parse(arguments, &program.log)) return 0;
   ThrowIfInvalid(o.stereo.Check());
   ThrowIfInvalid(o.surface.Check());
   ThrowIfInvalid(o.region.Check());
   CompletePaths(&o);
-  ConsoleSink sink(line.log_level());
-  const JobControl job(&sink, &cancel);
+  const JobControl job = program.Job();
 
-  const std::shared_ptr<ColmapProgram> program = FindColmapProgram(o);
+  const std::shared_ptr<ColmapProgram> colmap = FindColmapProgram(o);
   std::vector<std::unique_ptr<DenseBackEnd>> back_ends;
-  back_ends.push_back(MakeColmapBackEnd(ColmapToolOf(program)));
+  back_ends.push_back(MakeColmapBackEnd(ColmapToolOf(colmap)));
   back_ends.push_back(MakeOpenMvsBackEnd());
   back_ends.push_back(MakeBuiltinBackEnd(o.stereo));
   DenseBackEnd& back_end = ChooseBackEnd(o.backend, back_ends);
@@ -173,6 +172,13 @@ int RunDenseReconstructor(const Arguments& arguments, const CancelFlag& cancel) 
   const StageCost cost = timer.Stop();
   std::cout << photos.photo_set().photos.size() << " photos, " << points.size() << " points, "
             << cost.wall_s << " s, " << cost.cpu_s << " CPU s, peak " << cost.peak_mib << " MiB\n";
+  program.log.Result({{"photos", photos.photo_set().photos.size()},
+                      {"points", points.size()},
+                      {"back_end", back_end.Name()},
+                      {"wall_s", cost.wall_s},
+                      {"cpu_s", cost.cpu_s},
+                      {"peak_mib", cost.peak_mib},
+                      {"output_path", o.output.string()}});
   return 0;
 }
 

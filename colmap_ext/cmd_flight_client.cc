@@ -73,7 +73,7 @@ void AskBeforeStart(const FlightClient& client, const ClientInputs& inputs) {
   if (answer != "yes") throw Error("not started");
 }
 
-void WatchEvents(const FlightClient& client, const CancelFlag& cancel) {
+void WatchEvents(const FlightClient& client, const std::atomic<bool>& cancel) {
   const auto goes_on = [&cancel] { return !cancel.load(); };
   client.Watch(
       0,
@@ -102,38 +102,42 @@ int DryRun(const ClientInputs& inputs) {
   return 0;
 }
 
-int Perform(const std::string& action, const ClientInputs& inputs, const CancelFlag& cancel) {
+int Perform(const std::string& action, const ClientInputs& inputs, Program& program) {
   if (action == "dry_run") return DryRun(inputs);
+  const auto show = [&program](const Json& status) {
+    PrintStatus(status);
+    program.log.Result({{"status", status}});
+  };
   const FlightClient client = Connect(inputs);
   if (action == "status") {
-    PrintStatus(client.Status());
+    show(client.Status());
   } else if (action == "load") {
     RequireOption(inputs.mission_path, "mission_path");
-    PrintStatus(client.Load(
+    show(client.Load(
         MissionFromJson(ReadJsonFile(inputs.mission_path), inputs.mission_path.string())));
   } else if (action == "preflight") {
-    PrintStatus(client.Preflight());
+    show(client.Preflight());
   } else if (action == "start") {
     AskBeforeStart(client, inputs);
-    PrintStatus(client.Start());
+    show(client.Start());
   } else if (action == "pause") {
-    PrintStatus(client.Pause());
+    show(client.Pause());
   } else if (action == "resume") {
-    PrintStatus(client.Resume());
+    show(client.Resume());
   } else if (action == "abort") {
     if (inputs.how != "rtl" && inputs.how != "land") {
       throw UsageError("--how " + inputs.how + ": must be rtl or land");
     }
-    PrintStatus(client.Abort(inputs.how == "land"));
+    show(client.Abort(inputs.how == "land"));
   } else {
-    WatchEvents(client, cancel);
+    WatchEvents(client, program.cancel);
   }
   return 0;
 }
 
 }  // namespace
 
-int RunFlightClient(const Arguments& arguments, const CancelFlag& cancel) {
+int RunFlightClient(const Arguments& arguments, Program& program) {
   CommandLine line("flight_client",
                    "Talks to the flight daemon of a workspace: flight_client status | load | "
                    "preflight | start | pause | resume | abort | watch; and dry_run, which prints "
@@ -147,7 +151,7 @@ int RunFlightClient(const Arguments& arguments, const CancelFlag& cancel) {
   line.options().Add("", "yes", &inputs.yes, "start: do not ask");
   const bool has_action = !arguments.empty() && !arguments[0].starts_with("-");
   const Arguments rest(arguments.begin() + (has_action ? 1 : 0), arguments.end());
-  if (!line.Parse(rest)) return 0;
+  if (!line.Parse(rest, &program.log)) return 0;
   const std::string action = has_action ? arguments[0] : "";
   constexpr std::array kActions = {"status", "load",  "preflight", "start",  "pause",
                                    "resume", "abort", "watch",     "dry_run"};
@@ -156,7 +160,7 @@ int RunFlightClient(const Arguments& arguments, const CancelFlag& cancel) {
         "say what to do: status, load, preflight, start, pause, resume, abort, watch or dry_run");
   }
   if (action != "dry_run") RequireOption(inputs.workspace_path, "workspace_path");
-  return Perform(action, inputs, cancel);
+  return Perform(action, inputs, program);
 }
 
 }  // namespace colmap_ext

@@ -103,7 +103,7 @@ void CheckPath(const Inputs& inputs, const PathOptions& options, const JobContro
 
 }  // namespace
 
-int RunFlightPlanner(const Arguments& arguments, const CancelFlag& cancel) {
+int RunFlightPlanner(const Arguments& arguments, Program& program) {
   CommandLine line("flight_planner",
                    "Plans a classic flight pattern (--Pattern.name) around a box "
                    "(--RegionOfInterest.box), a polygon, the region of a session, or a model: "
@@ -117,13 +117,12 @@ int RunFlightPlanner(const Arguments& arguments, const CancelFlag& cancel) {
   BindOptions(line.options(), &pattern);
   BindOptions(line.options(), &region);
   BindOptions(line.options(), &options);
-  if (!line.Parse(arguments)) return 0;
+  if (!line.Parse(arguments, &program.log)) return 0;
   RequireOption(inputs.views, "views_path");
   RequireOption(inputs.output, "output_path");
   ThrowIfInvalid(options.Check());
 
-  ConsoleSink sink(line.log_level());
-  const JobControl job(&sink, &cancel);
+  const JobControl job = program.Job();
   const WorldFrame frame = FrameOf(inputs);
   RequireMetric(frame);
   ReadZones(frame, &options);
@@ -139,6 +138,13 @@ int RunFlightPlanner(const Arguments& arguments, const CancelFlag& cancel) {
                 views.size(), path.length_m, path.duration_s, path.flights.size(),
                 path.min_clearance_m);
   job.Info(text);
+  program.log.Result({{"views", views.size()},
+                      {"length_m", path.length_m},
+                      {"duration_s", path.duration_s},
+                      {"flights", path.flights.size()},
+                      {"min_clearance_m", path.min_clearance_m},
+                      {"views_path", inputs.views.string()},
+                      {"output_path", inputs.output.string()}});
   return 0;
 }
 

@@ -69,7 +69,7 @@ void TakeFromWorkspace(CommandLine* line, Paths* paths) {
 
 }  // namespace
 
-int RunMissionExporter(const Arguments& arguments, const CancelFlag& cancel) {
+int RunMissionExporter(const Arguments& arguments, Program& program) {
   CommandLine line(
       "mission_exporter",
       "Writes a path as a mission file. --workspace_path: the path of the newest iteration; else "
@@ -88,7 +88,7 @@ int RunMissionExporter(const Arguments& arguments, const CancelFlag& cancel) {
   line.options().Add("", "format", &format, kFormats);
   line.options().Add("", "flight", &flight, "number of the flight to write; 0: all");
   BindOptions(line.options(), &options);
-  if (!line.Parse(arguments)) return 0;
+  if (!line.Parse(arguments, &program.log)) return 0;
   RequireOption(paths.output, "output_path");
   CheckFormat(format);
   if (flight < 0) throw UsageError("--flight must not be negative");
@@ -96,14 +96,15 @@ int RunMissionExporter(const Arguments& arguments, const CancelFlag& cancel) {
   RequireOption(paths.input, "input_path");
   RequireOption(paths.frame, "frame_path");
 
-  ConsoleSink sink(line.log_level());
-  const JobControl job(&sink, &cancel);
+  const JobControl job = program.Job();
   const FlightPath path = ReadPath(paths.input);
   const WorldFrame frame = ReadWorldFrame(paths.frame);
   if (!paths.limits.empty()) SetFence(ReadFlightLimits(paths.limits, frame), frame, &options);
+  std::vector<std::string> written;
   const auto write = [&](const FlightPath& part, const std::filesystem::path& output) {
     Write(format, part, frame, options, output);
     job.Info("mission_exporter: " + output.string());
+    written.push_back(output.string());
   };
   if (flight > 0) {
     write(PathOfFlight(path, static_cast<std::size_t>(flight) - 1), paths.output);
@@ -117,6 +118,7 @@ int RunMissionExporter(const Arguments& arguments, const CancelFlag& cancel) {
   if (format == "litchi") {
     job.Info("mission_exporter: in Litchi set the heading mode to custom and the path to straight");
   }
+  program.log.Result({{"format", format}, {"files", written}});
   return 0;
 }
 

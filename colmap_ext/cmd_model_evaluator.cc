@@ -7,6 +7,7 @@
 #include "colmap_ext/eval/evaluate.h"
 #include "colmap_ext/report/error_histogram.h"
 #include "colmap_ext/report/mesh_picture.h"
+#include "colmap_ext/scene/json_file.h"
 #include "colmap_ext/scene/las.h"
 #include "colmap_ext/scene/mesh_io.h"
 #include "colmap_ext/scene/reconstruction_io.h"
@@ -220,7 +221,7 @@ void EvaluateMesh(const Paths& paths, const EvaluationOptions& options, const Jo
 
 }  // namespace
 
-int RunModelEvaluator(const Arguments& arguments, const CancelFlag& cancel) {
+int RunModelEvaluator(const Arguments& arguments, Program& program) {
   Paths paths;
   EvaluationOptions options;
   CommandLine line("model_evaluator",
@@ -230,21 +231,21 @@ int RunModelEvaluator(const Arguments& arguments, const CancelFlag& cancel) {
                    "--depth_path: measures depth maps against true ones.");
   AddPaths(line.options(), &paths);
   BindOptions(line.options(), &options);
-  if (!line.Parse(arguments)) return 0;
+  if (!line.Parse(arguments, &program.log)) return 0;
   const bool judges_depth = !paths.depth.empty();
   if (!judges_depth) FillFromWorkspace(&paths);
   if (!judges_depth) RequireOption(paths.mesh, "mesh_path");
   RequireOption(paths.ground_truth, "ground_truth_path");
   RequireOption(paths.output, "output_path");
   ThrowIfInvalid(options.Check());
-  ConsoleSink sink(line.log_level());
-  const JobControl job(&sink, &cancel);
+  const JobControl job = program.Job();
   if (judges_depth) {
     EvaluateDepthMaps({paths.depth, paths.ground_truth, paths.confidence}, paths.output, job);
   } else {
     EvaluateMesh(paths, options, job);
   }
   job.Info("wrote " + paths.output.string());
+  program.log.Result(ReadJsonFile(paths.output));
   return 0;
 }
 

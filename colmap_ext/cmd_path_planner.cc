@@ -72,7 +72,7 @@ void Report(const FlightPath& path, const std::filesystem::path& output, const J
 
 }  // namespace
 
-int RunPathPlanner(const Arguments& arguments, const CancelFlag& cancel) {
+int RunPathPlanner(const Arguments& arguments, Program& program) {
   CommandLine line("path_planner",
                    "Joins views to a path whose distance from the surface is proved; views that no "
                    "proved path reaches are dropped and named. --workspace_path: of the newest "
@@ -89,11 +89,10 @@ int RunPathPlanner(const Arguments& arguments, const CancelFlag& cancel) {
   line.options().Add("", "output_path", &paths.output, "path.json to write");
   line.options().Add("", "start", &start_text, "x,y,z where the vehicle is, world, metres");
   BindOptions(line.options(), &options);
-  if (!line.Parse(arguments)) return 0;
+  if (!line.Parse(arguments, &program.log)) return 0;
   CheckPaths(paths);
 
-  ConsoleSink sink(line.log_level());
-  const JobControl job(&sink, &cancel);
+  const JobControl job = program.Job();
   if (!paths.workspace.empty()) {
     const Workspace workspace(paths.workspace);
     TakeSessionOptions(workspace, &line.options());
@@ -111,6 +110,13 @@ int RunPathPlanner(const Arguments& arguments, const CancelFlag& cancel) {
                                    inputs.photos.photos, options, job);
   WritePath(path, inputs.frame, paths.output);
   Report(path, paths.output, job);
+  program.log.Result({{"waypoints", path.waypoints.size()},
+                      {"length_m", path.length_m},
+                      {"duration_s", path.duration_s},
+                      {"min_clearance_m", path.min_clearance_m},
+                      {"dropped_view_ids", path.dropped_view_ids},
+                      {"flights", path.flights.size()},
+                      {"output_path", paths.output.string()}});
   return 0;
 }
 

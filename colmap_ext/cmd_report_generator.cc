@@ -9,7 +9,7 @@
 
 namespace colmap_ext {
 
-int RunReportGenerator(const Arguments& arguments, const CancelFlag& cancel) {
+int RunReportGenerator(const Arguments& arguments, Program& program) {
   std::filesystem::path workspace_path, output_path, image_path;
   PageOptions options;
   CommandLine line("report_generator",
@@ -21,10 +21,9 @@ int RunReportGenerator(const Arguments& arguments, const CancelFlag& cancel) {
   line.options().Add("", "image_path", &image_path,
                      "folder of the photos; empty: where the session says that they are");
   BindOptions(line.options(), &options);
-  if (!line.Parse(arguments)) return 0;
+  if (!line.Parse(arguments, &program.log)) return 0;
   RequireOption(workspace_path, "workspace_path");
-  ConsoleSink sink(line.log_level());
-  const JobControl job(&sink, &cancel);
+  const JobControl job = program.Job();
 
   const Workspace workspace(workspace_path);
   const SessionSummary summary = ReadReportInput(workspace).summary;
@@ -33,6 +32,8 @@ int RunReportGenerator(const Arguments& arguments, const CancelFlag& cancel) {
   WriteSessionPage(workspace, folder, image_path, options, job);
   std::cout << SummaryTable(summary);
   job.Info("wrote " + (folder / "index.html").string());
+  program.log.Result({{"iterations", summary.iterations.size()},
+                      {"output_path", (folder / "index.html").string()}});
   return 0;
 }
 

@@ -145,15 +145,14 @@ void RenderViews(const std::vector<NamedView>& views, const TexturedScene& scene
 
 }  // namespace
 
-int RunSceneRenderer(const Arguments& arguments, const CancelFlag& cancel) {
+int RunSceneRenderer(const Arguments& arguments, Program& program) {
   SceneRendererOptions options;
   CommandLine line("scene_renderer",
                    "Renders photos of a simulated scene, with GPS in their EXIF and exact truth.");
   AddOptions(&options, &line.options());
-  if (!line.Parse(arguments)) return 0;
+  if (!line.Parse(arguments, &program.log)) return 0;
   CheckOptions(options);
-  ConsoleSink sink(line.log_level());
-  const JobControl job(&sink, &cancel);
+  const JobControl job = program.Job();
 
   std::vector<NamedView> views;
   if (!options.pose_list_path.empty()) views = ReadPoseList(options.pose_list_path);
@@ -167,6 +166,7 @@ int RunSceneRenderer(const Arguments& arguments, const CancelFlag& cancel) {
     job.Info("wrote " + (options.write_scene_path / (name + ".obj")).string());
   }
   if (!views.empty()) RenderViews(views, scene, options, job);
+  program.log.Result({{"photos", views.size()}, {"output_path", options.output_path.string()}});
   return 0;
 }
 

@@ -231,7 +231,7 @@ void WriteResult(const SparseUpdateResult& result, const Places& places) {
 
 }  // namespace
 
-int RunSparseUpdater(const Arguments& arguments, const CancelFlag& cancel) {
+int RunSparseUpdater(const Arguments& arguments, Program& program) {
   CommandLine line(
       "sparse_updater",
       "Photos to a sparse model in local metres (ENU), or more photos into a model that is "
@@ -244,12 +244,11 @@ int RunSparseUpdater(const Arguments& arguments, const CancelFlag& cancel) {
   SparseUpdateOptions options;
   BindInputs(line.options(), &inputs);
   BindOptions(line.options(), &options);
-  if (!line.Parse(arguments)) return 0;
+  if (!line.Parse(arguments, &program.log)) return 0;
   JoinNames(&inputs);
   CheckPaths(inputs);
   ThrowIfInvalid(options.Check());
-  ConsoleSink sink(line.log_level());
-  const JobControl job(&sink, &cancel);
+  const JobControl job = program.Job();
 
   const StageTimer timer;
   const Places places = inputs.workspace_path.empty()
@@ -267,6 +266,7 @@ int RunSparseUpdater(const Arguments& arguments, const CancelFlag& cancel) {
   if (!result.changed) {
     std::printf("nothing new: every photo is in the model or was tried (%s)\n",
                 places.input_model.c_str());
+    program.log.Result({{"changed", false}, {"model", places.input_model.string()}});
     return 0;
   }
   WriteResult(result, places);
@@ -274,6 +274,14 @@ int RunSparseUpdater(const Arguments& arguments, const CancelFlag& cancel) {
     WriteFileAtomically(places.timing, StageCostsToJson({{"sparse", timer.Stop()}}));
   }
   PrintSummary(result, places);
+  program.log.Result({{"changed", true},
+                      {"photos", result.registered.size() + result.unregistered.size()},
+                      {"registered", result.registered.size()},
+                      {"newly_registered", result.newly_registered.size()},
+                      {"unregistered", result.unregistered},
+                      {"points", result.model.points.size()},
+                      {"mean_error_px", result.mean_error_px},
+                      {"model", places.output_model.string()}});
   return 0;
 }
 

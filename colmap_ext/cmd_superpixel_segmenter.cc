@@ -56,7 +56,7 @@ void WriteImageMesh(const ImageMesh& mesh, const std::filesystem::path& path) {
 
 }  // namespace
 
-int RunSuperpixelSegmenter(const Arguments& arguments, const CancelFlag& cancel) {
+int RunSuperpixelSegmenter(const Arguments& arguments, Program& program) {
   CommandLine line(
       "superpixel_segmenter",
       "Splits photos into convex polygons that follow their line segments, and these into "
@@ -69,14 +69,13 @@ int RunSuperpixelSegmenter(const Arguments& arguments, const CancelFlag& cancel)
   line.options().Add("", "image_path", &paths.images, "folder of photos, or one photo");
   line.options().Add("", "output_path", &paths.output, "folder for the results");
   BindOptions(line.options(), &options);
-  if (!line.Parse(arguments)) return 0;
+  if (!line.Parse(arguments, &program.log)) return 0;
   ThrowIfInvalid(options.Check());
   CompletePaths(&paths);
   const std::vector<std::string> names = FindPhotos(&paths.images);
   RequireWritableFolder(paths.output, "output folder");
 
-  ConsoleSink sink(line.log_level());
-  const JobControl job(&sink, &cancel);
+  const JobControl job = program.Job();
   std::atomic<std::size_t> done = 0;
   std::vector<int> num_superpixels(names.size());
   tbb::parallel_for(std::size_t{0}, names.size(), [&](std::size_t i) {
@@ -91,6 +90,7 @@ int RunSuperpixelSegmenter(const Arguments& arguments, const CancelFlag& cancel)
   for (std::size_t i = 0; i < names.size(); ++i) {
     std::cout << names[i] << ": " << num_superpixels[i] << " superpixels\n";
   }
+  program.log.Result({{"photos", names.size()}, {"output_path", paths.output.string()}});
   return 0;
 }
 

@@ -151,7 +151,7 @@ void WriteFusedPictures(const std::vector<ViewMesh>& views, double min_confidenc
 
 }  // namespace
 
-int RunSuperpixelStereo(const Arguments& arguments, const CancelFlag& cancel) {
+int RunSuperpixelStereo(const Arguments& arguments, Program& program) {
   CommandLine line(
       "superpixel_stereo",
       "Fast linear dense stereo: a mesh for each photo of a sparse model, fused over its "
@@ -178,7 +178,7 @@ int RunSuperpixelStereo(const Arguments& arguments, const CancelFlag& cancel) {
   BindOptions(line.options(), &superpixel_options);
   BindOptions(line.options(), &stereo_options);
   BindOptions(line.options(), &point_options);
-  if (!line.Parse(arguments)) return 0;
+  if (!line.Parse(arguments, &program.log)) return 0;
   if (max_width_px < 64) throw UsageError("--max_width_px must be at least 64");
   ThrowIfInvalid(superpixel_options.Check());
   ThrowIfInvalid(stereo_options.Check());
@@ -188,8 +188,7 @@ int RunSuperpixelStereo(const Arguments& arguments, const CancelFlag& cancel) {
   RequireFolder(paths.images, "image folder");
   RequireWritableFolder(paths.output, "output folder");
 
-  ConsoleSink sink(line.log_level());
-  const JobControl job(&sink, &cancel);
+  const JobControl job = program.Job();
   const Reconstruction model = ReadReconstruction(paths.sparse);
   PhotoSet photos = LoadPhotoSet(model, paths.images.string(), true);
   DownscalePhotos(max_width_px, &photos);
@@ -213,6 +212,11 @@ int RunSuperpixelStereo(const Arguments& arguments, const CancelFlag& cancel) {
             << " % of facets confident, " << points.size() << " points; CPU seconds: superpixels "
             << result.superpixels.cpu_s << ", stereo " << result.stereo.cpu_s << ", fusion "
             << result.fusion.cpu_s << '\n';
+  program.log.Result(
+      {{"photos", photos.photos.size()},
+       {"points", points.size()},
+       {"confident_share", ConfidentShare(result.views, point_options.min_confidence)},
+       {"output_path", paths.output.string()}});
   return 0;
 }
 

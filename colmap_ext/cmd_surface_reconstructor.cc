@@ -39,13 +39,18 @@ RegionOfInterest RegionOfPoints(const OrientedPoints& points, const RegionOption
   return region;
 }
 
-void LogSurface(const Surface& surface, const std::filesystem::path& path, const JobControl& job) {
+// Returns the numbers of the log's result.
+ProgramLog::Json LogSurface(const Surface& surface, const std::filesystem::path& path,
+                            const JobControl& job) {
   job.Info("surface: " + std::to_string(surface.mesh.vertices.size()) + " vertices, " +
            std::to_string(surface.mesh.faces.size()) + " faces: " + path.string());
+  return {{"vertices", surface.mesh.vertices.size()},
+          {"faces", surface.mesh.faces.size()},
+          {"output_path", path.string()}};
 }
 
-void RunInWorkspace(const Workspace& workspace, const RegionOptions& region_options,
-                    const SurfaceOptions& options, const JobControl& job) {
+ProgramLog::Json RunInWorkspace(const Workspace& workspace, const RegionOptions& region_options,
+                                const SurfaceOptions& options, const JobControl& job) {
   const IterationFiles files = LatestIterationFiles(workspace);
   RequireFile(files.fused_ply(), "fused points (superpixel_stereo writes them)");
   const StageTimer timer;
@@ -54,23 +59,23 @@ void RunInWorkspace(const Workspace& workspace, const RegionOptions& region_opti
   const Surface surface = ReconstructSurface(points, region, options, job);
   WriteSurface(surface, files.surface_ply());
   RecordStageCost(files.timing_json(), "surface", timer.Stop());
-  LogSurface(surface, files.surface_ply(), job);
+  return LogSurface(surface, files.surface_ply(), job);
 }
 
-void RunOnFiles(const Paths& paths, const RegionOptions& region_options,
-                const SurfaceOptions& options, const JobControl& job) {
+ProgramLog::Json RunOnFiles(const Paths& paths, const RegionOptions& region_options,
+                            const SurfaceOptions& options, const JobControl& job) {
   RequireFile(paths.input, "points");
   const OrientedPoints points = ReadOrientedPoints(paths.input);
   if (points.empty()) throw Error(paths.input.string() + ": the file has no points");
   const Surface surface =
       ReconstructSurface(points, RegionOfPoints(points, region_options), options, job);
   WriteSurface(surface, paths.output);
-  LogSurface(surface, paths.output, job);
+  return LogSurface(surface, paths.output, job);
 }
 
 }  // namespace
 
-int RunSurfaceReconstructor(const Arguments& arguments, const CancelFlag& cancel) {
+int RunSurfaceReconstructor(const Arguments& arguments, Program& program) {
   CommandLine line(
       "surface_reconstructor",
       "Screened Poisson surface of fused points, with the strength of their support "
@@ -85,17 +90,16 @@ int RunSurfaceReconstructor(const Arguments& arguments, const CancelFlag& cancel
   line.options().Add("", "output_path", &paths.output, "PLY file of the surface, to be written");
   BindOptions(line.options(), &options);
   BindOptions(line.options(), &region_options);
-  if (!line.Parse(arguments)) return 0;
+  if (!line.Parse(arguments, &program.log)) return 0;
   CheckPaths(paths);
 
-  ConsoleSink sink(line.log_level());
-  const JobControl job(&sink, &cancel);
+  const JobControl job = program.Job();
   if (!paths.workspace.empty()) {
     const Workspace workspace(paths.workspace);
     TakeSessionOptions(workspace, &line.options());
-    RunInWorkspace(workspace, region_options, options, job);
+    program.log.Result(RunInWorkspace(workspace, region_options, options, job));
   } else {
-    RunOnFiles(paths, region_options, options, job);
+    program.log.Result(RunOnFiles(paths, region_options, options, job));
   }
   return 0;
 }

@@ -39,7 +39,7 @@ std::string Describe(const ViewPlanResult& plan) {
 
 }  // namespace
 
-int RunViewPlanner(const Arguments& arguments, const CancelFlag& cancel) {
+int RunViewPlanner(const Arguments& arguments, Program& program) {
   CommandLine line(
       "view_planner",
       "Chooses the next best views for what is not covered yet. --workspace_path: of the "
@@ -62,13 +62,12 @@ int RunViewPlanner(const Arguments& arguments, const CancelFlag& cancel) {
   BindOptions(line.options(), &options);
   BindOptions(line.options(), &path_options);
   BindOptions(line.options(), &coverage_options);
-  if (!line.Parse(arguments)) return 0;
+  if (!line.Parse(arguments, &program.log)) return 0;
   CheckPaths(paths);
   if (max_width_px < 0) throw UsageError("--max_image_size_px must not be negative");
   if (first_id < 0) throw UsageError("--first_id must not be negative");
 
-  ConsoleSink sink(line.log_level());
-  const JobControl job(&sink, &cancel);
+  const JobControl job = program.Job();
   if (!paths.workspace.empty()) {
     const Workspace workspace(paths.workspace);
     TakeSessionOptions(workspace, &line.options());
@@ -103,6 +102,10 @@ int RunViewPlanner(const Arguments& arguments, const CancelFlag& cancel) {
   if (!plan.explanation.empty()) job.Warn("view_planner: " + plan.explanation);
   WriteViews(plan.views, inputs.frame, paths.output);
   job.Info(Describe(plan) + ": " + paths.output.string());
+  program.log.Result({{"views", plan.views.size()},
+                      {"reachable_uncovered", plan.reachable_uncovered},
+                      {"stop_reason", plan.stop_reason},
+                      {"output_path", paths.output.string()}});
   return 0;
 }
 

@@ -5,31 +5,32 @@
 #include <string>
 #include <vector>
 
-#include "colmap_ext/util/job_control.h"
 #include "colmap_ext/util/options.h"
+#include "program_log.h"
 
 namespace colmap_ext {
 
-// Adds --log_level, parses, and answers -h. Use:
+// Adds --log_level and --log_format, parses, and answers -h. Use:
 //   CommandLine line("view_planner", "What it does, in a sentence or two.");
 //   line.options().Add("", "workspace_path", &workspace_path, "…");
 //   BindOptions(line.options(), &nbv_options);
-//   if (!line.Parse(arguments)) return 0;          // help was printed
-//   ConsoleSink sink(line.log_level());
-//   const JobControl job(&sink, &cancel);
+//   if (!line.Parse(arguments, &program.log)) return 0;  // help was printed
+//   const JobControl job = program.Job();
 class CommandLine {
  public:
+  // `name`: of a verb of colmap_ext, or colmap_ext_… of a program of its own.
   CommandLine(std::string name, std::string description);
 
   OptionSet& options() { return options_; }
-  // Returns false when help was asked for (and printed). Throws UsageError for wrong usage.
-  bool Parse(const std::vector<std::string>& arguments);
-  LogLevel log_level() const;
+  // Sets up `log` as asked for. Returns false when help was asked for (and printed). Throws
+  // UsageError for wrong usage.
+  bool Parse(const std::vector<std::string>& arguments, ProgramLog* log);
 
  private:
   std::string name_;
   std::string description_;
-  std::string log_level_name_ = "info";
+  std::string log_level_ = "info";
+  std::string log_format_ = "text";
   OptionSet options_;
 };
 

@@ -4,10 +4,8 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <iostream>
-#include <new>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +17,8 @@
 #include "colmap_ext/sim/textured_scene.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/options.h"
+#include "command_line.h"
+#include "program.h"
 
 namespace colmap_ext {
 namespace {
@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 constexpr int kCrashExitCode = 70;
 
 struct DronesimOptions {
-  std::string scene, personality = "px4", home, log_level = "info";
+  std::string scene, personality = "px4", home;
   fs::path scene_path;
   double texel_scale = 1;
   SimulatedCameraOptions camera;
@@ -57,7 +57,6 @@ void AddOptions(DronesimOptions* o, OptionSet* set) {
   set->Add("", "faults", &s->faults, "from the start on: a JSON object as of POST /faults");
   set->Add("", "signing_key_file", &s->signing_key_path, "32 bytes or 64 hexadecimal digits");
   set->Add("", "full_resolution", &s->renders_full, "also pictures in full resolution (0 or 1)");
-  set->Add("", "log_level", &o->log_level, "debug, info, warning or error");
   BindOptions(*set, &s->autopilot);
   BindOptions(*set, &o->camera);
   BindOptions(*set, &o->render);
@@ -111,37 +110,22 @@ int Fly(const DronesimOptions& o, const JobControl& job) {
   return 0;
 }
 
-int Run(const std::vector<std::string>& arguments) {
+int Run(const std::vector<std::string>& arguments, Program& program) {
   DronesimOptions options;
-  OptionSet set;
-  AddOptions(&options, &set);
-  set.Parse(arguments);
-  if (set.HelpRequested()) {
-    std::cout << "colmap_ext_dronesim\n\nA simulated drone: MAVLink, gimbal, camera, faults "
-                 "(docs/simulated_drone.md).\n\n"
-              << set.HelpText() << "\nExit codes: 0 ended on request, 1 failed, 2 wrong usage.\n";
-    return 0;
-  }
+  CommandLine line("colmap_ext_dronesim",
+                   "A simulated drone: MAVLink, gimbal, camera, faults (docs/simulated_drone.md). "
+                   "It runs until it is stopped.");
+  AddOptions(&options, &line.options());
+  if (!line.Parse(arguments, &program.log)) return 0;
   CheckOptions(&options);
-  ConsoleSink sink(ParseLogLevel(options.log_level));
-  return Fly(options, JobControl(&sink, nullptr));
+  return Fly(options, program.Job());
 }
 
 }  // namespace
 }  // namespace colmap_ext
 
 int main(int argc, char** argv) {
-  const std::string prefix = "colmap_ext_dronesim: ";
-  try {
-    return colmap_ext::Run({argv + 1, argv + argc});
-  } catch (const colmap_ext::UsageError& error) {
-    std::cerr << prefix << error.what() << '\n';
-    return 2;
-  } catch (const std::bad_alloc&) {
-    std::cerr << prefix << "not enough memory\n";
-    return 1;
-  } catch (const std::exception& error) {
-    std::cerr << prefix << error.what() << '\n';
-    return 1;
-  }
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  colmap_ext::Program program("colmap_ext_dronesim", arguments);
+  return program.Run(arguments, [&] { return colmap_ext::Run(arguments, program); });
 }

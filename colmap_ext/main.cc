@@ -1,14 +1,9 @@
 // colmap_ext: active image-based modeling for COLMAP. One verb a command, as in COLMAP.
 #include <array>
-#include <atomic>
-#include <cstdlib>
-#include <exception>
 #include <iostream>
-#include <new>
 #include <string>
 #include <vector>
 
-#include "colmap_ext/util/error.h"
 #include "commands.h"
 #include "signal_watcher.h"
 
@@ -18,7 +13,7 @@ namespace {
 struct Command {
   const char* name;
   const char* summary;  // one line for `colmap_ext help`
-  int (*run)(const Arguments& arguments, const CancelFlag& cancel);
+  int (*run)(const Arguments& arguments, Program& program);
 };
 
 constexpr std::array kCommands = {
@@ -64,21 +59,9 @@ void PrintHelp(std::ostream& stream) {
 }
 
 int RunCommand(const Command& command, const Arguments& arguments) {
-  std::atomic<bool> cancel = false;
-  const SignalWatcher watcher(&cancel);
-  const std::string prefix = std::string("colmap_ext ") + command.name + ": ";
-  try {
-    return command.run(arguments, cancel);
-  } catch (const UsageError& error) {
-    std::cerr << prefix << error.what() << '\n';
-    return 2;
-  } catch (const std::bad_alloc&) {
-    std::cerr << prefix << "not enough memory\n";
-    return 1;
-  } catch (const std::exception& error) {
-    std::cerr << prefix << error.what() << '\n';
-    return 1;
-  }
+  Program program(std::string("colmap_ext ") + command.name, arguments);
+  const SignalWatcher watcher(&program.cancel, &program.log);
+  return program.Run(arguments, [&] { return command.run(arguments, program); });
 }
 
 int Run(const Arguments& arguments) {

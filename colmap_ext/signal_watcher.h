@@ -6,8 +6,9 @@
 #include <unistd.h>
 
 #include <atomic>
-#include <cstdio>
 #include <thread>
+
+#include "colmap_ext/util/job_control.h"
 
 namespace colmap_ext {
 
@@ -15,18 +16,20 @@ namespace colmap_ext {
 // The signals are blocked in every thread and awaited in one, so no state is shared with a handler.
 class SignalWatcher {
  public:
-  explicit SignalWatcher(std::atomic<bool>* cancel) {
+  // `log` is told of the first one.
+  SignalWatcher(std::atomic<bool>* cancel, ProgressSink* log) {
     sigset_t signals;
     sigemptyset(&signals);
     sigaddset(&signals, SIGINT);
     sigaddset(&signals, SIGTERM);
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-    thread_ = std::jthread([signals, cancel](const std::stop_token& stop) {
+    thread_ = std::jthread([signals, cancel, log](const std::stop_token& stop) {
       while (!stop.stop_requested()) {
         const timespec interval{0, 100'000'000};
         if (sigtimedwait(&signals, nullptr, &interval) < 0) continue;
         if (cancel->exchange(true)) _exit(1);
-        std::fputs("\nstopping after the work at hand; once more to stop at once\n", stderr);
+        log->Message(LogLevel::kWarning,
+                     "stopping after the work at hand; once more to stop at once");
       }
     });
   }

@@ -2,10 +2,9 @@
 
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <ctime>
 
 #include "colmap_ext/geom/transforms.h"
+#include "colmap_ext/util/utc_time.h"
 #include "flight/autopilot_dialect.h"
 
 namespace colmap_ext {
@@ -238,15 +237,7 @@ std::optional<Eigen::Quaterniond> CamFromEnu(const std::array<float, 4>& q) {
 }
 
 std::string IsoTime(std::uint64_t microseconds) {
-  if (microseconds == 0) return "";
-  const auto seconds = static_cast<std::time_t>(microseconds / 1'000'000);
-  std::tm utc{};
-  gmtime_r(&seconds, &utc);
-  std::array<char, 32> date{}, text{};
-  std::strftime(date.data(), date.size(), "%Y-%m-%dT%H:%M:%S", &utc);
-  const auto fraction = static_cast<unsigned>(microseconds % 1'000'000);
-  std::snprintf(text.data(), text.size(), "%.20s.%06uZ", date.data(), fraction);
-  return text.data();
+  return microseconds == 0 ? "" : UtcText(microseconds, 6);
 }
 
 }  // namespace colmap_ext

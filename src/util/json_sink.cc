@@ -1,11 +1,11 @@
 #include "colmap_ext/util/json_sink.h"
 
-#include <chrono>
 #include <cstdio>
-#include <ctime>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <string>
+
+#include "colmap_ext/util/utc_time.h"
 
 namespace colmap_ext {
 namespace {
@@ -24,19 +24,6 @@ const char* NameOf(LogLevel level) {
       return "error";
   }
   return "error";
-}
-
-std::string UtcNow() {
-  const auto now = std::chrono::system_clock::now();
-  const std::time_t seconds = std::chrono::system_clock::to_time_t(now);
-  const auto ms =
-      std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count() % 1000;
-  std::tm utc{};
-  gmtime_r(&seconds, &utc);
-  char date[32], text[48];
-  std::strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%S", &utc);
-  std::snprintf(text, sizeof text, "%s.%03dZ", date, static_cast<int>(ms));
-  return text;
 }
 
 void PrintLine(const Json& line) {
@@ -63,7 +50,8 @@ JsonSink::~JsonSink() = default;
 void JsonSink::Message(LogLevel level, std::string_view text) {
   if (level < state_->min_level) return;
   const std::lock_guard lock(state_->mutex);
-  PrintLine({{"time", UtcNow()}, {"level", NameOf(level)}, {"message", text}});
+  PrintLine(
+      {{"time", UtcNow()}, {"event", "message"}, {"level", NameOf(level)}, {"message", text}});
 }
 
 void JsonSink::Progress(std::string_view stage, std::size_t done, std::size_t total) {
@@ -74,7 +62,18 @@ void JsonSink::Progress(std::string_view stage, std::size_t done, std::size_t to
   if (!is_new && tenth == state_->last_tenth) return;
   state_->stage = stage;
   state_->last_tenth = tenth;
-  PrintLine({{"time", UtcNow()}, {"stage", stage}, {"done", done}, {"total", total}});
+  PrintLine({{"time", UtcNow()},
+             {"event", "progress"},
+             {"stage", stage},
+             {"done", done},
+             {"total", total}});
+}
+
+void JsonSink::Event(std::string_view name, const nlohmann::ordered_json& fields) {
+  Json line = {{"time", UtcNow()}, {"event", name}};
+  if (!fields.is_null()) line.update(fields);
+  const std::lock_guard lock(state_->mutex);
+  PrintLine(line);
 }
 
 }  // namespace colmap_ext

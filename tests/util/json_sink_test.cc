@@ -25,6 +25,7 @@ TEST(JsonSink, MessagesAreObjectsWithTimeAndLevel) {
   sink.Message(LogLevel::kWarning, "\xff is no UTF-8");
   const auto lines = LinesOf(testing::internal::GetCapturedStderr());
   ASSERT_EQ(lines.size(), 2u);
+  EXPECT_EQ(lines[0].at("event"), "message");
   EXPECT_EQ(lines[0].at("level"), "info");
   EXPECT_EQ(lines[0].at("message"), "two\nlines and \"quotes\"");
   const std::string time = lines[0].at("time");
@@ -40,6 +41,7 @@ TEST(JsonSink, ProgressComesAtEveryTenthAndAtANewStage) {
   sink.Progress("mapping", 0, 0);
   const auto lines = LinesOf(testing::internal::GetCapturedStderr());
   ASSERT_EQ(lines.size(), 12u);
+  EXPECT_EQ(lines[0].at("event"), "progress");
   EXPECT_EQ(lines[0].at("done"), 0);
   EXPECT_EQ(lines[10].at("done"), 100);
   EXPECT_EQ(lines[10].at("total"), 100);
@@ -52,6 +54,18 @@ TEST(JsonSink, QuietWhenOnlyWarningsAreWanted) {
   sink.Progress("matching", 1, 2);
   sink.Message(LogLevel::kInfo, "no");
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST(JsonSink, EventsAreToldAtEveryLevel) {
+  JsonSink sink(LogLevel::kError);
+  testing::internal::CaptureStderr();
+  sink.Event("result", {{"photos", 3}, {"covered_ratio", 0.5}});
+  sink.Event("end", nullptr);
+  const auto lines = LinesOf(testing::internal::GetCapturedStderr());
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_EQ(lines[0].at("event"), "result");
+  EXPECT_EQ(lines[0].at("photos"), 3);
+  EXPECT_EQ(lines[1].size(), 2u) << "time and event";
 }
 
 }  // namespace

@@ -14,6 +14,9 @@
 namespace colmap_ext {
 namespace {
 
+constexpr std::array kActions = {"status", "load",  "preflight", "start",  "pause",
+                                 "resume", "abort", "watch",     "dry_run"};
+
 struct ClientInputs {
   std::filesystem::path workspace_path;
   std::filesystem::path mission_path;
@@ -142,6 +145,7 @@ int RunFlightClient(const Arguments& arguments, Program& program) {
                    "Talks to the flight daemon of a workspace: flight_client status | load | "
                    "preflight | start | pause | resume | abort | watch; and dry_run, which prints "
                    "what a flight would send.");
+  line.SetActions({kActions.begin(), kActions.end()});
   ClientInputs inputs;
   line.options().Add("", "workspace_path", &inputs.workspace_path, "folder of the session");
   line.options().Add("", "mission_path", &inputs.mission_path,
@@ -153,8 +157,6 @@ int RunFlightClient(const Arguments& arguments, Program& program) {
   const Arguments rest(arguments.begin() + (has_action ? 1 : 0), arguments.end());
   if (!line.Parse(rest, &program.log)) return 0;
   const std::string action = has_action ? arguments[0] : "";
-  constexpr std::array kActions = {"status", "load",  "preflight", "start",  "pause",
-                                   "resume", "abort", "watch",     "dry_run"};
   if (std::find(kActions.begin(), kActions.end(), action) == kActions.end()) {
     throw UsageError(
         "say what to do: status, load, preflight, start, pause, resume, abort, watch or dry_run");

@@ -22,13 +22,18 @@ class CommandLine {
   CommandLine(std::string name, std::string description);
 
   OptionSet& options() { return options_; }
+  // Words of which the user gives one before the options; the command itself takes them.
+  void SetActions(std::vector<std::string> actions) { actions_ = std::move(actions); }
   // Sets up `log` as asked for. Returns false when help was asked for (and printed). Throws
   // UsageError for wrong usage.
   bool Parse(const std::vector<std::string>& arguments, ProgramLog* log);
 
  private:
+  void PrintHelp(const std::string& format) const;
+
   std::string name_;
   std::string description_;
+  std::vector<std::string> actions_;
   std::string log_level_ = "info";
   std::string log_format_ = "text";
   OptionSet options_;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "manual.h"
 #include "signal_watcher.h"
 
 namespace colmap_ext {
@@ -48,14 +49,15 @@ constexpr std::array kCommands = {
 void PrintHelp(std::ostream& stream) {
   stream << "colmap_ext " COLMAP_EXT_VERSION ": active image-based modeling for COLMAP\n\n"
          << "Usage: colmap_ext <command> [--option value] [--Section.option value]\n"
-         << "       colmap_ext <command> -h     all options of a command, with defaults\n\n"
+         << "       colmap_ext <command> -h     all options of a command, with defaults\n"
+         << "       colmap_ext help [<command>] [--format text|man|completion]\n\n"
          << "Commands:\n";
   for (const Command& command : kCommands) {
     std::string name = command.name;
     name.resize(24, ' ');
     stream << "  " << name << command.summary << '\n';
   }
-  stream << "\nExit codes: 0 done, 1 failed, 2 wrong usage.\n";
+  stream << "\nExit codes: " << kExitCodes << ".\n";
 }
 
 int RunCommand(const Command& command, const Arguments& arguments) {
@@ -64,27 +66,78 @@ int RunCommand(const Command& command, const Arguments& arguments) {
   return program.Run(arguments, [&] { return command.run(arguments, program); });
 }
 
+const Command* FindCommand(const std::string& name) {
+  for (const Command& command : kCommands) {
+    if (name == command.name) return &command;
+  }
+  return nullptr;
+}
+
+int UnknownCommand(const std::string& name) {
+  std::cerr << "colmap_ext: no such command: " << name << "; `colmap_ext help` lists them\n";
+  return 2;
+}
+
+int PrintHelpOfAll(const std::string& format) {
+  std::vector<CommandSummary> summaries;
+  std::vector<std::string> names;
+  for (const Command& command : kCommands) {
+    summaries.push_back({command.name, command.summary});
+    names.emplace_back(command.name);
+  }
+  if (format == "text") {
+    PrintHelp(std::cout);
+  } else if (format == "names") {
+    for (const std::string& name : names) std::cout << name << '\n';
+  } else if (format == "man") {
+    std::cout << ManualPageOfColmapExt(summaries);
+  } else if (format == "completion") {
+    for (const Command& command : kCommands) {
+      RunCommand(command, {"--help_format", "completion"});
+    }
+    std::cout << CompletionFunction("colmap_ext", names);
+  } else {
+    std::cerr << "colmap_ext: help --format " << format
+              << ": must be text, man, completion or names\n";
+    return 2;
+  }
+  return 0;
+}
+
+// help [COMMAND] [--format FORMAT]
+int Help(const Arguments& arguments) {
+  std::string format = "text", name;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    if (arguments[i] == "--format" && i + 1 < arguments.size()) {
+      format = arguments[++i];
+    } else if (name.empty() && !arguments[i].starts_with("-")) {
+      name = arguments[i];
+    } else {
+      std::cerr << "colmap_ext: usage: colmap_ext help [COMMAND] [--format FORMAT]\n";
+      return 2;
+    }
+  }
+  if (name.empty()) return PrintHelpOfAll(format);
+  const Command* command = FindCommand(name);
+  if (command == nullptr) return UnknownCommand(name);
+  return RunCommand(*command, {"--help_format", format});
+}
+
 int Run(const Arguments& arguments) {
   if (arguments.empty()) {
     PrintHelp(std::cerr);
     return 2;
   }
   const std::string& verb = arguments[0];
-  if (verb == "help" || verb == "-h" || verb == "--help") {
-    PrintHelp(std::cout);
-    return 0;
-  }
+  const Arguments rest(arguments.begin() + 1, arguments.end());
+  if (verb == "help") return Help(rest);
+  if (verb == "-h" || verb == "--help") return Help({});
   if (verb == "version" || verb == "--version") {
     std::cout << "colmap_ext " COLMAP_EXT_VERSION "\n";
     return 0;
   }
-  for (const Command& command : kCommands) {
-    if (verb == command.name) {
-      return RunCommand(command, Arguments(arguments.begin() + 1, arguments.end()));
-    }
-  }
-  std::cerr << "colmap_ext: no such command: " << verb << "; `colmap_ext help` lists them\n";
-  return 2;
+  const Command* command = FindCommand(verb);
+  return command == nullptr ? UnknownCommand(verb) : RunCommand(*command, rest);
 }
 
 }  // namespace

@@ -169,7 +169,7 @@ std::string NextBestViewOptions::Check() const {
 void BindOptions(OptionSet& set, NextBestViewOptions* o) {
   const std::string s = "NextBestView";
   set.Add(s, "strategy", &o->strategy,
-          "plane_sweep, submodular; for comparison random, next_farthest_point");
+          "plane_sweep, submodular, random or next_farthest_point (these two to compare with)");
   BindShared(set, s, o);
   BindPool(set, s, o);
   set.Add(s, "paper_only", &o->paper_only,

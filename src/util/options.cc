@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <fstream>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "colmap_ext/util/error.h"
@@ -108,6 +109,7 @@ struct OptionSet::Impl {
   std::set<std::string> from_command_line;
   std::set<std::string> from_ini;
   bool help_requested = false;
+  std::string help_format = "text";
 
   Option* Find(const std::string& full_name) {
     for (Option& option : options) {
@@ -134,7 +136,34 @@ struct OptionSet::Impl {
     description.add_options()("project_path", po::value<std::string>()->value_name("FILE.ini"),
                               "read options from this file; the command line wins");
     description.add_options()("help,h", "this text");
+    description.add_options()(
+        "help_format", po::value<std::string>()->value_name("FORMAT"),
+        "this text in another format: text, json, man (a page) or completion (bash)");
     return description;
+  }
+
+  // Every option as an object; for programs that make pages and completions of it.
+  std::string DescriptionAsJson() const {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    const auto add = [&list](const std::string& name, const std::string& section,
+                             const std::string& type, const std::string& default_text,
+                             const std::string& help) {
+      list.push_back({{"name", name},
+                      {"section", section},
+                      {"type", type},
+                      {"default", default_text},
+                      {"help", help}});
+    };
+    for (const Option& option : options) {
+      add(option.FullName(), option.section, option.type, option.default_text, option.help);
+    }
+    const po::options_description all = Description();
+    add("project_path", "", TypeName<fs::path>(), "",
+        all.find("project_path", false).description());
+    add("help", "", "", "", all.find("help", false).description());
+    add("help_format", "", TypeName<std::string>(), "",
+        all.find("help_format", false).description());
+    return list.dump(2) + "\n";
   }
 
   void Set(Option& option, const std::string& text, const std::string& where) {
@@ -185,6 +214,9 @@ void OptionSet::Parse(const std::vector<std::string>& arguments) {
     for (const po::option& given : parsed.options) {
       if (given.string_key == "help") {
         impl_->help_requested = true;
+      } else if (given.string_key == "help_format") {
+        impl_->help_requested = true;
+        impl_->help_format = given.value.at(0);
       } else if (given.string_key == "project_path") {
         project_path = given.value.at(0);
       } else {
@@ -240,6 +272,7 @@ bool OptionSet::IsSet(const std::string& full_name) const {
 bool OptionSet::HelpRequested() const { return impl_->help_requested; }
 
 std::string OptionSet::HelpText() const {
+  if (impl_->help_format != "text") return impl_->DescriptionAsJson();
   std::ostringstream text;
   text << impl_->Description();
   return text.str();

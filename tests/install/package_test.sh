@@ -20,6 +20,10 @@ for package in colmap libembree libopen3d libopencv-core libtbb; do
 done
 must_have "$(dpkg-deb -f "$development" Depends)" "libeigen3-dev" >/dev/null
 must_have "$(dpkg-deb -c "$runtime")" " \./usr/bin/colmap_ext$"
+for program in colmap_ext colmap_ext_flightd colmap_ext_dronesim; do
+  must_have "$(dpkg-deb -c "$runtime")" " \./usr/share/man/man1/$program\.1\.gz$"
+  must_have "$(dpkg-deb -c "$runtime")" " \./usr/share/bash-completion/completions/$program$"
+done
 must_have "$(dpkg-deb -c "$development")" " \./usr/include/colmap_ext/scene/reconstruction.h$"
 must_have "$(dpkg-deb -c "$development")" "colmap_ext-config.cmake$"
 if dpkg-deb -c "$runtime" | grep -q '/include/'; then

@@ -33,14 +33,6 @@ std::vector<Eigen::Vector2d> ConvexHull(std::vector<Eigen::Vector2d> points) {
   return hull;
 }
 
-double PolygonArea(const std::vector<Eigen::Vector2d>& polygon) {
-  double twice = 0;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    twice += Cross(polygon[i], polygon[(i + 1) % polygon.size()]);
-  }
-  return 0.5 * twice;
-}
-
 bool IsInside(const std::vector<Eigen::Vector2d>& hull, const Eigen::Vector2d& point) {
   if (hull.size() < 3) return false;
   for (std::size_t i = 0; i < hull.size(); ++i) {

@@ -9,9 +9,6 @@ namespace colmap_ext {
 // are collinear.
 std::vector<Eigen::Vector2d> ConvexHull(std::vector<Eigen::Vector2d> points);
 
-// Area of a counter-clockwise polygon.
-double PolygonArea(const std::vector<Eigen::Vector2d>& polygon);
-
 // Whether the point lies in a convex counter-clockwise polygon, border included.
 bool IsInside(const std::vector<Eigen::Vector2d>& hull, const Eigen::Vector2d& point);
 

@@ -72,7 +72,7 @@ std::vector<WeightedPoint> PointsInsideFlight(const PhotoSet& photos) {
   for (const Eigen::Vector2d& corner : hull)
     bounds.extend(Eigen::Vector3d(corner.x(), corner.y(), 0));
   constexpr double kMinRoundness = 0.05;
-  if (hull.size() < 3 || PolygonArea(hull) < kMinRoundness * bounds.diagonal().squaredNorm())
+  if (hull.size() < 3 || SignedArea(hull) < kMinRoundness * bounds.diagonal().squaredNorm())
     return {};
   std::vector<WeightedPoint> inside;
   for (const SupportPoint& point : photos.points) {

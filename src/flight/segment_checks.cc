@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "colmap_ext/geom/polygon.h"
 #include "colmap_ext/path/clearance.h"
 
 namespace colmap_ext {
@@ -24,13 +25,6 @@ bool Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vect
   const double side_a = Cross(d - c, a - c);
   const double side_b = Cross(d - c, b - c);
   return side_c * side_d < 0 && side_a * side_b < 0;
-}
-
-bool IsOnSegment(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& point) {
-  const double length = (b - a).norm();
-  if (length < kBorder) return (point - a).norm() < kBorder;
-  return std::abs(Cross(b - a, point - a)) / length < kBorder &&
-         (point - a).dot(b - a) >= -kBorder && (point - b).dot(a - b) >= -kBorder;
 }
 
 std::string CheckFence(const MissionLimits& limits, const Eigen::Vector2d& from,
@@ -91,16 +85,7 @@ std::string CheckClearance(const FlightSpace& space, const Eigen::Vector3d& from
 }  // namespace
 
 bool IsInsidePolygon(const std::vector<Eigen::Vector2d>& polygon, const Eigen::Vector2d& point) {
-  bool is_inside = false;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Eigen::Vector2d& a = polygon[i];
-    const Eigen::Vector2d& b = polygon[(i + 1) % polygon.size()];
-    if (IsOnSegment(a, b, point)) return true;
-    if ((a.y() > point.y()) == (b.y() > point.y())) continue;
-    const double x = a.x() + (point.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
-    if (point.x() < x) is_inside = !is_inside;
-  }
-  return is_inside;
+  return IsInsideRing(polygon, point) || DistanceToBorder(polygon, point) < kBorder;
 }
 
 std::string CheckSegment(const FlightSpace& space, const Eigen::Vector3d& from,

@@ -8,32 +8,14 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-double DistanceToSegment(const Eigen::Vector2d& point, const Eigen::Vector2d& a,
-                         const Eigen::Vector2d& b) {
-  const Eigen::Vector2d along = b - a;
-  const double squared_length = along.squaredNorm();
-  const double t =
-      squared_length > 0 ? std::clamp((point - a).dot(along) / squared_length, 0.0, 1.0) : 0.0;
-  return (point - a - t * along).norm();
-}
-
 // Signed distance to the rings in the plane, positive inside; infinite without rings.
-double PlanarDepth(const std::vector<std::vector<Eigen::Vector2d>>& rings,
-                   const Eigen::Vector2d& point) {
-  double distance = kInfinity;
-  bool is_inside = false;
-  for (const std::vector<Eigen::Vector2d>& ring : rings) {
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-      const Eigen::Vector2d& a = ring[i];
-      const Eigen::Vector2d& b = ring[(i + 1) % ring.size()];
-      distance = std::min(distance, DistanceToSegment(point, a, b));
-      if ((a.y() > point.y()) == (b.y() > point.y())) continue;
-      const double crossing = a.x() + (point.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
-      if (point.x() < crossing) is_inside = !is_inside;
-    }
-  }
+double PlanarDepth(const std::vector<PolygonRing>& rings, const Eigen::Vector2d& point) {
   if (rings.empty()) return kInfinity;
-  return is_inside ? distance : -distance;
+  double distance = kInfinity;
+  for (const PolygonRing& ring : rings) {
+    distance = std::min(distance, DistanceToBorder(ring, point));
+  }
+  return IsInsideRings(rings, point) ? distance : -distance;
 }
 
 std::string Quoted(const std::string& name) { return name.empty() ? "" : " '" + name + "'"; }

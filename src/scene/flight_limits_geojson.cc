@@ -1,8 +1,7 @@
-#include <cmath>
 #include <optional>
 
-#include "colmap_ext/geom/geodesy.h"
 #include "colmap_ext/scene/flight_limits.h"
+#include "colmap_ext/scene/geojson_rings.h"
 #include "colmap_ext/scene/json_file.h"
 
 namespace colmap_ext {
@@ -10,30 +9,6 @@ namespace {
 
 // nullopt: the file's coordinates are metres of the world already.
 using Origin = std::optional<GeoPosition>;
-
-Eigen::Vector2d PlaceOf(const JsonNode& node, const Origin& origin) {
-  const std::vector<JsonNode> numbers = node.Items();
-  if (numbers.size() < 2) node.Fail("a position has two numbers or more");
-  const double first = numbers[0].Number();
-  const double second = numbers[1].Number();
-  if (!origin) return {first, second};
-  const GeoPosition position{second, first, origin->height_m};
-  if (!IsValid(position)) node.Fail("must be longitude, latitude in degrees");
-  return EnuFromGeo(*origin, position).head<2>();
-}
-
-std::vector<std::vector<Eigen::Vector2d>> RingsOf(const JsonNode& polygon, const Origin& origin) {
-  std::vector<std::vector<Eigen::Vector2d>> rings;
-  for (const JsonNode& node : polygon.Items()) {
-    std::vector<Eigen::Vector2d> ring;
-    for (const JsonNode& place : node.Items()) ring.push_back(PlaceOf(place, origin));
-    if (ring.size() > 1 && (ring.front() - ring.back()).norm() < 1e-6) ring.pop_back();
-    if (ring.size() < 3) node.Fail("a ring has three corners or more");
-    rings.push_back(std::move(ring));
-  }
-  if (rings.empty()) polygon.Fail("a polygon has a ring");
-  return rings;
-}
 
 FlightZone::Kind KindOf(const JsonNode& fence) {
   const std::string kind = fence.Text();
@@ -68,7 +43,7 @@ void AddGeometry(const JsonNode& geometry, const FlightZone& like, const Origin&
   }
   for (const JsonNode& polygon : polygons) {
     FlightZone zone = like;
-    zone.rings = RingsOf(polygon, origin);
+    zone.rings = ReadGeoJsonRings(polygon, origin);
     zones->push_back(std::move(zone));
   }
 }

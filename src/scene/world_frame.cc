@@ -11,27 +11,11 @@ Json ToJson(const Eigen::Vector3d& vector) {
   return Json::array({vector.x(), vector.y(), vector.z()});
 }
 
-// Whether a ray from the point towards +x crosses the ring an odd number of times.
-bool IsInRing(const PolygonRing& ring, const Eigen::Vector2d& point) {
-  bool is_inside = false;
-  for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
-    const Eigen::Vector2d &a = ring[i], &b = ring[j];
-    if ((a.y() > point.y()) == (b.y() > point.y())) continue;
-    const double x = a.x() + (point.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
-    if (point.x() < x) is_inside = !is_inside;
-  }
-  return is_inside;
-}
-
 }  // namespace
 
 bool RegionOfInterest::Contains(const Eigen::Vector3d& point_in_world) const {
   if (!box.contains(point_in_world)) return false;
-  bool is_inside = rings.empty();
-  for (const PolygonRing& ring : rings) {
-    if (IsInRing(ring, point_in_world.head<2>())) is_inside = !is_inside;
-  }
-  return is_inside;
+  return rings.empty() || IsInsideRings(rings, point_in_world.head<2>());
 }
 
 Json RegionToJson(const RegionOfInterest& region) {

@@ -27,18 +27,6 @@ void DroneFence::SetItems(const std::vector<MavMissionItemInt>& items, const Geo
   }
 }
 
-// Even-odd rule.
-bool DroneFence::Polygon::Contains(const Eigen::Vector2d& point) const {
-  bool is_inside = false;
-  for (std::size_t i = 0, j = corners.size() - 1; i < corners.size(); j = i++) {
-    const Eigen::Vector2d &a = corners[i], &b = corners[j];
-    if ((a.y() > point.y()) == (b.y() > point.y())) continue;
-    const double crossing = a.x() + (b.x() - a.x()) * (point.y() - a.y()) / (b.y() - a.y());
-    if (point.x() < crossing) is_inside = !is_inside;
-  }
-  return is_inside;
-}
-
 bool DroneFence::Contains(const Eigen::Vector2d& position, bool any_inclusion) const {
   int inclusions = 0, inside = 0;
   const auto count = [&](bool is_inclusion, bool contains) {
@@ -48,7 +36,7 @@ bool DroneFence::Contains(const Eigen::Vector2d& position, bool any_inclusion) c
     return true;
   };
   for (const Polygon& polygon : polygons_) {
-    if (!count(polygon.is_inclusion, polygon.Contains(position))) return false;
+    if (!count(polygon.is_inclusion, IsInsideRing(polygon.corners, position))) return false;
   }
   for (const Circle& circle : circles_) {
     const bool contains = (circle.center - position).norm() <= circle.radius_m;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "colmap_ext/geom/geodesy.h"
+#include "colmap_ext/geom/polygon.h"
 #include "colmap_ext/mavlink/codec.h"
 
 namespace colmap_ext {
@@ -21,9 +22,8 @@ class DroneFence {
 
  private:
   struct Polygon {
-    std::vector<Eigen::Vector2d> corners;
+    PolygonRing corners;
     bool is_inclusion = true;
-    bool Contains(const Eigen::Vector2d& point) const;
   };
   struct Circle {
     Eigen::Vector2d center;

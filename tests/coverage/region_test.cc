@@ -163,7 +163,7 @@ TEST(RegionOptions, CheckNamesTheOption) {
 TEST(ConvexHull, KeepsTheCornersOnly) {
   const auto hull = ConvexHull({{0, 0}, {2, 0}, {1, 0}, {2, 2}, {0, 2}, {1, 1}, {0, 0}});
   EXPECT_EQ(hull.size(), 4U);
-  EXPECT_NEAR(PolygonArea(hull), 4, 1e-12);
+  EXPECT_NEAR(SignedArea(hull), 4, 1e-12);
   EXPECT_TRUE(IsInside(hull, {1, 2}));
   EXPECT_FALSE(IsInside(hull, {1, 2.01}));
   EXPECT_LT(ConvexHull({{0, 0}, {1, 1}, {2, 2}}).size(), 3U);

@@ -19,9 +19,8 @@ struct FlightZone {
   };
   Kind kind = Kind::kInclusion;
   std::string name;  // for messages; may be empty
-  // x, y of closed rings, the first corner not repeated: outline first, then holes. A place is
-  // inside by the even-odd rule.
-  std::vector<std::vector<Eigen::Vector2d>> rings;
+  // In x and y; a place is inside by IsInsideRings.
+  std::vector<PolygonRing> rings;
   double min_z_m = -std::numeric_limits<double>::infinity();
   double max_z_m = std::numeric_limits<double>::infinity();
 

@@ -7,6 +7,7 @@
 
 #include "colmap_ext/geom/geodesy.h"
 #include "colmap_ext/geom/mesh.h"
+#include "colmap_ext/geom/polygon.h"
 
 namespace colmap_ext {
 
@@ -17,15 +18,12 @@ struct WorldFrame {
   std::optional<GeoPosition> origin;
 };
 
-// Corners of a polygon in x and y, metres; the last one is joined to the first.
-using PolygonRing = std::vector<Eigen::Vector2d>;
-
 // The part of the world that has to be covered: a box, and of it only what lies above a polygon
 // when there is one.
 struct RegionOfInterest {
   BoundingBox box;
-  // A place is inside when it lies within an odd number of rings (so holes and several polygons
-  // need no order). Empty: the whole box. `box` bounds them.
+  // In x and y, metres; a place is inside by IsInsideRings. Empty: the whole box. `box` bounds
+  // them.
   std::vector<PolygonRing> rings = {};
 
   bool Contains(const Eigen::Vector3d& point_in_world) const;

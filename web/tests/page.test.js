@@ -1,6 +1,5 @@
 // The page as report_generator writes it, opened from a file.
 import assert from 'node:assert/strict';
-import os from 'node:os';
 import { after, before, beforeEach, describe, it } from 'node:test';
 import {
   firstPaint,
@@ -33,10 +32,22 @@ describe('the page', () => {
   });
 
   it('loads from a file without errors and paints within 2 s', async (t) => {
-    const paint = await firstPaint(page);
-    const load = os.loadavg()[0] / os.cpus().length;
-    if (load < 1.5) assert.ok(paint < 2000, `first paint after ${paint} ms`);
-    else t.diagnostic(`first paint after ${paint} ms, not judged: the machine is busy`);
+    // The best of three, so that a machine that was busy for a moment does not count against the
+    // page; where even a page of one word is slow, the page may be slower by as much.
+    const paints = { word: [], page: [] };
+    for (let i = 0; i < 3; ++i) {
+      for (const [name, address] of [
+        ['word', 'data:text/html,word'],
+        ['page', url],
+      ]) {
+        const loaded = await open(browser, address);
+        paints[name].push(await firstPaint(loaded));
+        await loaded.context().close();
+      }
+    }
+    const [word, paint] = [Math.min(...paints.word), Math.min(...paints.page)];
+    t.diagnostic(`first paint after ${paint} ms, of a page of one word after ${word} ms`);
+    assert.ok(paint < 2000 + 5 * word, `first paint after ${paint} ms`);
     assert.equal(await page.title(), 'workspace');
     assert.match(await page.textContent('#status'), /covered/);
     const outside = await page.evaluate(() =>

@@ -2,11 +2,12 @@
 // the same photos gets wrong, and whether its predicted error is the true one.
 #include <algorithm>
 #include <iostream>
-#include <sstream>
 
 #include "calibration.h"
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/exit_code.h"
 #include "colmap_ext/util/options.h"
+#include "colmap_ext/util/text.h"
 #include "flights.h"
 #include "judged.h"
 #include "measures.h"
@@ -99,13 +100,6 @@ void ReportCalibration(const std::string& name, const Columns& columns, BenchRep
     const double ratio = bin.measured / bin.predicted;
     report->Add(row, ratio, "ratio", ratio > 1 ? AtMost(1.3) : AtLeast(0.7));
   }
-}
-
-std::vector<std::string> SplitAtCommas(const std::string& text) {
-  std::vector<std::string> parts;
-  std::istringstream stream(text);
-  for (std::string part; std::getline(stream, part, ',');) parts.push_back(part);
-  return parts;
 }
 
 void RunScene(const std::string& scene, const BenchOptions& options, const JobControl& job,
@@ -218,13 +212,7 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace colmap_ext
 
 int main(int argc, char** argv) {
-  try {
+  return colmap_ext::ExitCodeOf("bench_coverage", [&] {
     return colmap_ext::Run({argv + 1, argv + argc});
-  } catch (const colmap_ext::UsageError& error) {
-    std::cerr << "bench_coverage: " << error.what() << '\n';
-    return 2;
-  } catch (const std::exception& error) {
-    std::cerr << "bench_coverage: " << error.what() << '\n';
-    return 1;
-  }
+  });
 }

@@ -2,16 +2,15 @@
 
 #include <Eigen/Geometry>
 #include <cstdio>
-#include <map>
 
 #include "colmap_ext/scene/reconstruction_io.h"
 #include "colmap_ext/scene/true_poses.h"
 #include "colmap_ext/sim/simulated_camera.h"
 #include "colmap_ext/sim/textured_scene.h"
-#include "colmap_ext/util/child_process.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
 #include "flights.h"
+#include "support/bench_program.h"
 
 namespace colmap_ext {
 namespace {
@@ -32,15 +31,9 @@ std::string Number(double value) {
 void RunUnlessThere(const fs::path& result, Arguments arguments, const fs::path& log,
                     const JobControl& job) {
   if (fs::exists(result)) return;
-  ChildProcessOptions options;
-  options.arguments = std::move(arguments);
-  options.arguments.insert(options.arguments.begin(), COLMAP_EXT_PROGRAM);
-  options.log_path = log;
-  fs::create_directories(log.parent_path());
-  if (RunChildProcess(options, job).exit_code != 0) {
-    throw Error("colmap_ext " + options.arguments[1] + " failed; see " + log.string());
-  }
-  if (!fs::exists(result)) throw Error(options.arguments[1] + " did not write " + result.string());
+  const std::string command = arguments.front();
+  RunColmapExt(std::move(arguments), log, job);
+  if (!fs::exists(result)) throw Error(command + " did not write " + result.string());
 }
 
 void WritePoseList(const std::vector<PlannedView>& views, const fs::path& path) {
@@ -94,26 +87,6 @@ void MapPhotos(const fs::path& folder, const JobControl& job) {
       folder / "logs" / "sfm.log", job);
 }
 
-// The model brought to the truth by its camera centres; with `true_poses` the photos then get
-// their true poses, and the points stay.
-void WriteModelInTruth(const fs::path& folder, bool true_poses, const fs::path& output) {
-  if (fs::exists(output)) return;
-  const auto pose_of = PoseOfPhoto(ReadTruePoses(folder / "low" / "true_poses.txt"));
-  Reconstruction model = ReadReconstruction(folder / "sfm");
-  const auto count = static_cast<Eigen::Index>(model.images.size());
-  Eigen::Matrix3Xd from(3, count), to(3, count);
-  Eigen::Index k = 0;
-  for (const auto& [id, image] : model.images) {
-    from.col(k) = CameraCenter(image.cam_from_world);
-    to.col(k++) = CameraCenter(pose_of.at(image.name));
-  }
-  TransformReconstruction(EstimateSimilarity(from, to), &model);
-  if (true_poses) {
-    for (auto& [id, image] : model.images) image.cam_from_world = pose_of.at(image.name);
-  }
-  WriteReconstructionBinary(model, output);
-}
-
 }  // namespace
 
 std::string BoxText(const BoundingBox& box) {
@@ -148,7 +121,12 @@ FlightModels MakeFlightModels(const Site& site, const std::string& quality,
   FlightModels result{models / "sparse", models / "fused.ply", models / "surface.ply",
                       models / ("dense_" + std::to_string(options.dense_width_px)) / "surface.ply",
                       static_cast<int>(views.size())};
-  WriteModelInTruth(folder, options.true_poses, result.sparse);
+  if (!fs::exists(result.sparse)) {
+    const auto pose_of = PoseOfPhoto(ReadTruePoses(folder / "low" / "true_poses.txt"));
+    WriteReconstructionBinary(
+        BroughtToTruth(ReadReconstruction(folder / "sfm"), pose_of, options.true_poses),
+        result.sparse);
+  }
   const std::string box = BoxText(site.region);
   RunUnlessThere(result.fused,
                  {"superpixel_stereo", "--input_path", result.sparse.string(), "--image_path",

@@ -2,7 +2,6 @@
 // beside the fast model.
 #include <atomic>
 #include <iostream>
-#include <sstream>
 #include <thread>
 
 #include "colmap_ext/eval/count_views.h"
@@ -13,9 +12,11 @@
 #include "colmap_ext/scene/reconstruction_io.h"
 #include "colmap_ext/scene/true_poses.h"
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/exit_code.h"
 #include "colmap_ext/util/files.h"
 #include "colmap_ext/util/options.h"
-#include "support/bench_main.h"
+#include "colmap_ext/util/text.h"
+#include "support/bench_program.h"
 #include "support/bench_report.h"
 #include "survey.h"
 
@@ -32,13 +33,6 @@ struct BenchOptions {
   std::string poses = "true,sfm";
   bool kill_test = true;
 };
-
-std::vector<std::string> SplitAtCommas(const std::string& text) {
-  std::vector<std::string> parts;
-  std::istringstream stream(text);
-  for (std::string part; std::getline(stream, part, ',');) parts.push_back(part);
-  return parts;
-}
 
 struct Measured {
   EvaluationResult result;
@@ -131,8 +125,8 @@ void RunModels(const BenchOptions& options, const BenchSurvey& survey, const std
   for (const std::string& width : SplitAtCommas(options.widths)) {
     const fs::path output = folder / ("dense_" + width);
     fs::remove_all(output);
-    const ChildProcessResult run = RunProgram(DenseArguments(survey, sparse, fast, width, output),
-                                              folder / ("dense_" + width + ".log"), job);
+    const ChildProcessResult run = RunColmapExt(DenseArguments(survey, sparse, fast, width, output),
+                                                folder / ("dense_" + width + ".log"), job);
     const Measured measured = Evaluate(output / "surface.ply", sparse, true_poses, survey, job);
     const std::string name = label + "builtin, width " + width;
     const double error = AddErrors(name, measured, width == "1920", report);
@@ -164,7 +158,7 @@ void RunKillTest(const BenchOptions& options, const BenchSurvey& survey, const J
   const auto arguments = [&](const std::string& name) {
     return DenseArguments(survey, survey.sfm_sparse, no_prior, width, folder / name);
   };
-  const ChildProcessResult whole = RunProgram(arguments("whole"), folder / "whole.log", job);
+  const ChildProcessResult whole = RunColmapExt(arguments("whole"), folder / "whole.log", job);
   std::atomic<bool> kill = false;
   std::jthread watcher([&](const std::stop_token& stop) {
     while (!stop.stop_requested() && !kill) {
@@ -174,12 +168,12 @@ void RunKillTest(const BenchOptions& options, const BenchSurvey& survey, const J
     }
   });
   try {
-    RunProgram(arguments("killed"), folder / "killed.log", JobControl(nullptr, &kill));
+    RunColmapExt(arguments("killed"), folder / "killed.log", JobControl(nullptr, &kill));
     throw Error("the run ended before it could be killed");
   } catch (const CancelledError&) {
   }
   const std::size_t there = NumFiles(folder / "killed" / "builtin") - 1;
-  const ChildProcessResult rest = RunProgram(arguments("killed"), folder / "killed.log", job);
+  const ChildProcessResult rest = RunColmapExt(arguments("killed"), folder / "killed.log", job);
   bool is_same = true;
   for (const char* file : {"fused.ply", "surface.ply"}) {
     is_same = is_same && ReadFile(folder / "whole" / file) == ReadFile(folder / "killed" / file);
@@ -221,5 +215,7 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace colmap_ext
 
 int main(int argc, char** argv) {
-  return colmap_ext::BenchMain("bench_dense", colmap_ext::Run, argc, argv);
+  return colmap_ext::ExitCodeOf("bench_dense", [&] {
+    return colmap_ext::Run({argv + 1, argv + argc});
+  });
 }

@@ -12,10 +12,6 @@
 
 namespace colmap_ext {
 
-// Runs `colmap_ext <arguments>` with its output in `log_path`. Throws Error when it fails.
-ChildProcessResult RunProgram(std::vector<std::string> arguments,
-                              const std::filesystem::path& log_path, const JobControl& job);
-
 struct BenchSurvey {
   std::filesystem::path images_low, images_full;
   std::filesystem::path sfm_sparse;   // poses by structure from motion of the small photos

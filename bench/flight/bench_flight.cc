@@ -25,7 +25,7 @@
 #include "colmap_ext/sim/autopilot.h"
 #include "colmap_ext/util/child_process.h"
 #include "colmap_ext/util/error.h"
-#include "support/bench_main.h"
+#include "colmap_ext/util/exit_code.h"
 #include "support/bench_report.h"
 
 namespace colmap_ext {
@@ -314,5 +314,7 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace colmap_ext
 
 int main(int argc, char** argv) {
-  return colmap_ext::BenchMain("bench_flight", colmap_ext::Run, argc, argv);
+  return colmap_ext::ExitCodeOf("bench_flight", [&] {
+    return colmap_ext::Run({argv + 1, argv + argc});
+  });
 }

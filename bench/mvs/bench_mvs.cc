@@ -12,8 +12,9 @@
 #include "colmap_ext/scene/reconstruction_io.h"
 #include "colmap_ext/util/child_process.h"
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/exit_code.h"
 #include "colmap_ext/util/stage_timer.h"
-#include "support/bench_main.h"
+#include "colmap_ext/util/text.h"
 #include "support/bench_report.h"
 #include "survey.h"
 
@@ -143,8 +144,7 @@ void CheckThreads(const fs::path& model_path, const fs::path& images, const Sett
 
 std::vector<int> ParseCounts(const std::string& text) {
   std::vector<int> counts;
-  std::stringstream stream(text);
-  for (std::string word; std::getline(stream, word, ',');) {
+  for (const std::string& word : SplitAtCommas(text)) {
     const int count = std::atoi(word.c_str());
     if (count < 3) throw UsageError("--counts: '" + word + "' is not a number from 3 on");
     counts.push_back(count);
@@ -225,5 +225,7 @@ int Main(const std::vector<std::string>& arguments) {
 }  // namespace colmap_ext
 
 int main(int argc, char** argv) {
-  return colmap_ext::BenchMain("bench_mvs", colmap_ext::Main, argc, argv);
+  return colmap_ext::ExitCodeOf("bench_mvs", [&] {
+    return colmap_ext::Main({argv + 1, argv + argc});
+  });
 }

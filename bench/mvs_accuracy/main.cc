@@ -4,11 +4,11 @@
 #include "calibration.h"
 #include "colmap_ext/mvs/superpixel_stereo.h"
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/exit_code.h"
 #include "colmap_ext/util/options.h"
 #include "measures.h"
 #include "partition.h"
 #include "pictures.h"
-#include "support/bench_main.h"
 #include "support/bench_report.h"
 #include "survey.h"
 
@@ -153,5 +153,7 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace colmap_ext
 
 int main(int argc, char** argv) {
-  return colmap_ext::BenchMain("bench_mvs_accuracy", colmap_ext::Run, argc, argv);
+  return colmap_ext::ExitCodeOf("bench_mvs_accuracy", [&] {
+    return colmap_ext::Run({argv + 1, argv + argc});
+  });
 }

@@ -7,9 +7,9 @@
 
 #include "closed_loop.h"
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/exit_code.h"
 #include "colmap_ext/util/statistics.h"
 #include "speed.h"
-#include "support/bench_main.h"
 #include "support/bench_report.h"
 
 namespace colmap_ext {
@@ -215,5 +215,7 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace colmap_ext
 
 int main(int argc, char** argv) {
-  return colmap_ext::BenchMain("bench_nbv", colmap_ext::Run, argc, argv);
+  return colmap_ext::ExitCodeOf("bench_nbv", [&] {
+    return colmap_ext::Run({argv + 1, argv + argc});
+  });
 }

@@ -2,10 +2,10 @@
 // 1 cm.
 #include <iostream>
 
+#include "colmap_ext/util/exit_code.h"
 #include "colmap_ext/util/options.h"
 #include "colmap_ext/util/stage_timer.h"
 #include "safety_campaign.h"
-#include "support/bench_main.h"
 #include "support/bench_report.h"
 
 namespace colmap_ext {
@@ -58,5 +58,7 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace colmap_ext
 
 int main(int argc, char** argv) {
-  return colmap_ext::BenchMain("bench_path", colmap_ext::Run, argc, argv);
+  return colmap_ext::ExitCodeOf("bench_path", [&] {
+    return colmap_ext::Run({argv + 1, argv + argc});
+  });
 }

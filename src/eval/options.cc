@@ -6,6 +6,7 @@
 
 #include "colmap_ext/eval/evaluate.h"
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/text.h"
 
 namespace colmap_ext {
 namespace {
@@ -29,8 +30,7 @@ std::optional<double> ParseDistance(const std::string& word) {
 
 std::vector<double> EvaluationOptions::ThresholdsM() const {
   std::vector<double> parsed;
-  std::istringstream stream(thresholds);
-  for (std::string word; std::getline(stream, word, ',');) {
+  for (const std::string& word : SplitAtCommas(thresholds)) {
     const auto distance_m = ParseDistance(word);
     if (!distance_m) {
       throw UsageError("ModelEvaluator.thresholds: '" + word +

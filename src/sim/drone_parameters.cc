@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <sstream>
 
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/text.h"
 
 namespace colmap_ext {
 
@@ -53,8 +53,7 @@ DroneParameters::DroneParameters(AutopilotPersonality personality, const std::st
 }
 
 void DroneParameters::ApplyChanges(const std::string& changes) {
-  std::istringstream stream(changes);
-  for (std::string item; std::getline(stream, item, ',');) {
+  for (const std::string& item : SplitAtCommas(changes)) {
     const auto equals = item.find('=');
     const std::string name = item.substr(0, equals);
     std::size_t used = 0;

@@ -1,18 +1,15 @@
 #include "colmap_ext/flight/flight_client.h"
 
-#include <signal.h>
-
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/read_until.hpp>
 #include <boost/asio/streambuf.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
-#include <fstream>
 #include <istream>
 #include <string_view>
 
 #include "colmap_ext/util/error.h"
-#include "colmap_ext/util/files.h"
+#include "colmap_ext/util/http_client.h"
 
 namespace colmap_ext {
 namespace {
@@ -23,22 +20,10 @@ namespace http = beast::http;
 using asio::ip::tcp;
 
 constexpr const char* kHost = "127.0.0.1";
+constexpr double kPatienceS = 60;  // a mission with a large surface takes seconds to load
 
 tcp::endpoint EndpointOf(const DaemonAddress& address) {
   return {asio::ip::address_v4::loopback(), static_cast<unsigned short>(address.port)};
-}
-
-http::request<http::string_body> MakeRequest(const DaemonAddress& address,
-                                             const std::string& method, const std::string& target,
-                                             const std::string& body) {
-  http::request<http::string_body> request(http::string_to_verb(method), target, 11);
-  request.set(http::field::host, std::string(kHost) + ":" + std::to_string(address.port));
-  request.set(http::field::authorization, "Bearer " + address.token);
-  request.set(http::field::content_type, "application/json");
-  request.keep_alive(false);
-  request.body() = body;
-  request.prepare_payload();
-  return request;
 }
 
 [[noreturn]] void FailToReach(const DaemonAddress& address, const std::string& why) {
@@ -65,53 +50,18 @@ std::optional<Json> EventIn(const std::string& line) {
 
 }  // namespace
 
-std::filesystem::path DaemonAddressPath(const std::filesystem::path& workspace_path) {
-  return workspace_path / "flightd.json";
-}
-
-std::optional<DaemonAddress> FindDaemon(const std::filesystem::path& workspace_path) {
-  const std::filesystem::path path = DaemonAddressPath(workspace_path);
-  if (!std::filesystem::exists(path)) return std::nullopt;
-  const Json json = ReadJsonFile(path);
-  const JsonNode root(json, path);
-  const DaemonAddress address{root["port"].Integer(), root["pid"].Integer(), root["token"].Text()};
-  if (address.pid <= 0 || kill(address.pid, 0) != 0) return std::nullopt;
-  return address;
-}
-
-void WriteDaemonAddress(const DaemonAddress& address, const std::filesystem::path& workspace_path) {
-  const std::filesystem::path path = DaemonAddressPath(workspace_path);
-  const std::filesystem::path temporary = TemporaryPathFor(path);
-  WriteFileAtomically(temporary, "");
-  std::filesystem::permissions(
-      temporary, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
-  std::ofstream stream(temporary);
-  stream << Json({{"port", address.port}, {"pid", address.pid}, {"token", address.token}}).dump()
-         << '\n';
-  stream.close();
-  if (!stream) throw Error(path.string() + ": cannot be written");
-  CommitTemporaryFile(temporary, path);
-}
-
 Json FlightClient::Send(const std::string& method, const std::string& target,
                         const std::string& body) const {
-  asio::io_context io;
-  beast::tcp_stream stream(io);
-  boost::system::error_code error;
-  stream.connect(EndpointOf(address_), error);
-  if (error) FailToReach(address_, error.message());
-  http::write(stream, MakeRequest(address_, method, target, body), error);
-  if (error) FailToReach(address_, error.message());
-  beast::flat_buffer buffer;
-  http::response_parser<http::string_body> parser;
-  parser.body_limit(std::uint64_t{64} << 20);
-  http::read(stream, buffer, parser, error);
-  if (error) FailToReach(address_, error.message());
-  const http::response<http::string_body>& response = parser.get();
-  if (response.result() != http::status::ok) {
-    throw Error("the flight daemon refuses: " + ReasonIn(response.body()));
+  HttpCall call{kHost, std::to_string(address_.port), method, target, body};
+  call.headers.emplace_back("Authorization", "Bearer " + address_.token);
+  HttpReply reply;
+  try {
+    reply = CallHttp(call, {.silence_timeout_s = kPatienceS, .total_timeout_s = kPatienceS});
+  } catch (const Error& error) {
+    FailToReach(address_, error.what());
   }
-  Json json = Json::parse(response.body(), nullptr, false);
+  if (reply.status != 200) throw Error("the flight daemon refuses: " + ReasonIn(reply.body));
+  Json json = Json::parse(reply.body, nullptr, false);
   if (!json.is_object()) FailToReach(address_, "its answer is no JSON object");
   return json;
 }
@@ -143,7 +93,10 @@ bool FlightClient::Watch(std::size_t since, const std::function<bool(const Json&
   socket.connect(EndpointOf(address_), error);
   if (error) FailToReach(address_, error.message());
   const std::string target = "/v1/events?since=" + std::to_string(since);
-  http::write(socket, MakeRequest(address_, "GET", target, ""), error);
+  http::request<http::empty_body> request(http::verb::get, target, 11);
+  request.set(http::field::host, std::string(kHost) + ":" + std::to_string(address_.port));
+  request.set(http::field::authorization, "Bearer " + address_.token);
+  http::write(socket, request, error);
   if (error) FailToReach(address_, error.message());
   asio::streambuf buffer;
   std::istream stream(&buffer);

@@ -61,7 +61,7 @@ std::string FetchPicture(const FetchRequest& request, const PictureSourceOptions
     throw Error(request.photo +
                 ": nobody says where the camera keeps it; give --picture_url or --capture_folder");
   }
-  return GetPictureByHttp(url, HttpPictureOptions());
+  return GetPictureByHttp(url, HttpCallOptions());
 }
 
 }  // namespace colmap_ext

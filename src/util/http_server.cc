@@ -2,6 +2,8 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/write.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <chrono>
@@ -21,6 +23,8 @@ namespace beast = boost::beast;
 namespace http = boost::beast::http;
 using Tcp = asio::ip::tcp;
 
+using Json = nlohmann::json;
+
 constexpr std::size_t kMaxHeaderBytes = 8 * 1024;
 
 // A name with which a program on this machine calls this machine.
@@ -30,10 +34,43 @@ bool IsLocalHost(std::string host) {
   return host.empty() || host == "127.0.0.1" || host == "localhost" || host == "[::1]";
 }
 
+HttpRequest ToRequest(const http::request<http::string_body>& message) {
+  HttpRequest request{std::string(message.method_string()), std::string(message.target()),
+                      message.body()};
+  for (const auto& field : message) {
+    std::string name(field.name_string());
+    for (char& letter : name) {
+      if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+    }
+    request.headers.emplace(std::move(name), std::string(field.value()));
+  }
+  return request;
+}
+
+template <typename Body>
+void SetHead(const HttpResponse& response, http::response<Body>* message) {
+  message->version(11);
+  message->result(static_cast<unsigned>(response.status));
+  message->set(http::field::content_type, response.content_type);
+  for (const auto& [name, value] : response.headers) message->set(name, value);
+}
+
+std::chrono::milliseconds Milliseconds(double seconds) {
+  return std::chrono::milliseconds(std::llround(seconds * 1e3));
+}
+
 }  // namespace
 
+std::string HttpRequest::Header(const std::string& name) const {
+  const auto found = headers.find(name);
+  return found == headers.end() ? "" : found->second;
+}
+
 HttpResponse HttpError(int status, const std::string& reason) {
-  return {status, "application/json", nlohmann::json({{"error", reason}}).dump() + "\n"};
+  // What a request says may end up in the reason, and it may be no UTF-8.
+  const Json json = {{"error", reason}};
+  return {status, "application/json",
+          json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"};
 }
 
 // One client, one request after another.
@@ -42,6 +79,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   HttpConnection(Tcp::socket socket, const HttpServerOptions& options,
                  const HttpServer::Handler& handler, std::function<void(HttpConnection*)> closed)
       : stream_(std::move(socket)),
+        pause_(stream_.get_executor()),
         options_(options),
         handler_(handler),
         closed_(std::move(closed)) {}
@@ -50,7 +88,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     parser_.emplace();
     parser_->header_limit(kMaxHeaderBytes);
     parser_->body_limit(options_.max_body_bytes);
-    stream_.expires_after(std::chrono::milliseconds(std::llround(options_.idle_timeout_s * 1e3)));
+    stream_.expires_after(Milliseconds(options_.idle_timeout_s));
     http::async_read(
         stream_, buffer_, *parser_,
         [self = shared_from_this()](beast::error_code error, std::size_t) { self->OnRead(error); });
@@ -58,10 +96,14 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
   void Close() {
     handler_ = nullptr;
+    pieces_.reset();
+    pause_.cancel();
     beast::error_code ignored;
     stream_.socket().close(ignored);
     if (closed_) std::exchange(closed_, nullptr)(this);
   }
+
+  void Wake() { pause_.cancel(); }
 
  private:
   void OnRead(beast::error_code error) {
@@ -78,7 +120,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (!IsLocalHost(std::string(host.data(), host.size()))) {
       return Refuse(403, "only for programs on this machine");
     }
-    Handle({std::string(message.method_string()), std::string(message.target()), message.body()});
+    Handle(ToRequest(message));
   }
 
   void Handle(const HttpRequest& request) {
@@ -103,19 +145,51 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   }
 
   void Write(HttpResponse response) {
+    if (response.stream) return WriteStream(std::move(response));
     answer_ = {};
-    answer_.version(11);
-    answer_.result(static_cast<unsigned>(response.status));
-    answer_.set(http::field::content_type, response.content_type);
+    SetHead(response, &answer_);
     answer_.keep_alive(keeps_alive_);
     answer_.body() = std::move(response.body);
     answer_.prepare_payload();
-    stream_.expires_after(std::chrono::milliseconds(std::llround(options_.idle_timeout_s * 1e3)));
+    stream_.expires_after(Milliseconds(options_.idle_timeout_s));
     http::async_write(stream_, answer_,
                       [self = shared_from_this()](beast::error_code error, std::size_t) {
                         if (error) return self->Close();
                         if (self->keeps_alive_) return self->Read();
                         self->SayGoodbye();
+                      });
+  }
+
+  void WriteStream(HttpResponse response) {
+    pieces_ = std::move(response.stream);
+    stream_head_ = {};
+    SetHead(response, &stream_head_);
+    stream_head_.keep_alive(false);
+    serializer_.emplace(stream_head_);
+    http::async_write_header(stream_, *serializer_,
+                             [self = shared_from_this()](beast::error_code error, std::size_t) {
+                               self->OnPieceSent(error);
+                             });
+  }
+
+  void OnPieceSent(beast::error_code error) {
+    if (error) return Close();
+    if (!pieces_) return;  // closed meanwhile
+    piece_ = pieces_->next_piece();
+    if (!piece_.empty()) return SendPiece();
+    pause_.expires_after(Milliseconds(pieces_->idle_s));
+    pause_.async_wait([self = shared_from_this()](beast::error_code woken) {
+      if (!self->pieces_) return;
+      if (woken) return self->OnPieceSent({});
+      self->piece_ = self->pieces_->idle_piece;
+      self->SendPiece();
+    });
+  }
+
+  void SendPiece() {
+    asio::async_write(stream_, asio::buffer(piece_),
+                      [self = shared_from_this()](beast::error_code error, std::size_t) {
+                        self->OnPieceSent(error);
                       });
   }
 
@@ -137,12 +211,17 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   }
 
   beast::tcp_stream stream_;
+  asio::steady_timer pause_;  // of a stream that has nothing to send
   HttpServerOptions options_;
   HttpServer::Handler handler_;
   std::function<void(HttpConnection*)> closed_;
   beast::flat_buffer buffer_{kMaxHeaderBytes + 64 * 1024};
   std::optional<http::request_parser<http::string_body>> parser_;
   http::response<http::string_body> answer_;
+  http::response<http::empty_body> stream_head_;
+  std::optional<http::response_serializer<http::empty_body>> serializer_;
+  std::optional<HttpStream> pieces_;
+  std::string piece_;
   bool keeps_alive_ = false;
 };
 
@@ -200,6 +279,10 @@ HttpServer::HttpServer(asio::io_context& context, const HttpServerOptions& optio
 }
 
 HttpServer::~HttpServer() { impl_->Close(); }
+
+void HttpServer::Wake() {
+  for (const auto& connection : impl_->connections) connection->Wake();
+}
 
 std::uint16_t HttpServer::port() const { return impl_->acceptor.local_endpoint().port(); }
 

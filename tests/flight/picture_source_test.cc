@@ -70,7 +70,7 @@ std::string Header(std::size_t length) {
          std::to_string(length) + "\r\n\r\n";
 }
 
-std::string FailureOf(const std::string& url, const HttpPictureOptions& options = {}) {
+std::string FailureOf(const std::string& url, const HttpCallOptions& options = {}) {
   try {
     GetPictureByHttp(url, options);
   } catch (const Error& error) {
@@ -80,7 +80,7 @@ std::string FailureOf(const std::string& url, const HttpPictureOptions& options 
 }
 
 void ExpectFailure(const OneAnswer::Serve& serve, const std::string& part,
-                   const HttpPictureOptions& options = {}) {
+                   const HttpCallOptions& options = {}) {
   const OneAnswer server(serve);
   const std::string url = server.Url();
   const std::string failure = FailureOf(url, options);
@@ -124,7 +124,7 @@ TEST(PictureByHttp, WhatTheServerRefusesIsReportedWithItsNumber) {
 }
 
 TEST(PictureByHttp, ASilentServerIsGivenUpASlowOneIsNot) {
-  HttpPictureOptions options;
+  HttpCallOptions options;
   options.silence_timeout_s = 1;
   const auto pause = [] { std::this_thread::sleep_for(std::chrono::milliseconds(250)); };
   ExpectFailure(
@@ -144,7 +144,7 @@ TEST(PictureByHttp, ASilentServerIsGivenUpASlowOneIsNot) {
 }
 
 TEST(PictureByHttp, EvenASlowServerHasToEnd) {
-  HttpPictureOptions options;
+  HttpCallOptions options;
   options.total_timeout_s = 0.4;
   ExpectFailure(
       [](tcp::socket* socket, const std::string&) {
@@ -158,7 +158,7 @@ TEST(PictureByHttp, EvenASlowServerHasToEnd) {
 }
 
 TEST(PictureByHttp, APictureThatIsTooLongIsRefused) {
-  HttpPictureOptions options;
+  HttpCallOptions options;
   options.max_bytes = 1000;
   ExpectFailure(Text(Header(1001) + std::string(1001, 'x')), "more than the allowed 1000 bytes",
                 options);
@@ -180,7 +180,7 @@ TEST(PictureByHttp, OnlyHttpAddressesAreTaken) {
         "http://a:80:80000000/b", "http://a/b\r\nX: y", "http://a b/c", "file:///etc/passwd"}) {
     EXPECT_NE(FailureOf(url).find("not an"), std::string::npos) << url;
   }
-  HttpPictureOptions options;
+  HttpCallOptions options;
   options.silence_timeout_s = 0;
   EXPECT_THROW(GetPictureByHttp("http://127.0.0.1:1/", options), UsageError);
 }

@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "colmap_ext/util/error.h"
@@ -97,6 +98,48 @@ TEST_F(HttpServerTest, MayAnswerLater) {
   EXPECT_TRUE(Holds(Get("/quick"), "GET /quick")) << "others are served meanwhile";
   waiting.join();
   EXPECT_TRUE(Holds(slow, "slow"));
+}
+
+TEST_F(HttpServerTest, HeadersOfBothSides) {
+  Start([](const HttpRequest& request, const HttpServer::Respond& respond) {
+    HttpResponse response{200, "text/plain", request.Header("x-word") + request.Header("x-none")};
+    response.headers.emplace_back("X-Answer", "42");
+    respond(response);
+  });
+  const std::string answer =
+      Exchange("GET / HTTP/1.1\r\nHost: localhost\r\nX-WORD: hello\r\nConnection: close\r\n\r\n");
+  EXPECT_TRUE(Holds(answer, "X-Answer: 42\r\n")) << answer;
+  EXPECT_TRUE(answer.ends_with("\r\n\r\nhello")) << answer;
+}
+
+TEST_F(HttpServerTest, StreamsUntilTheClientLeaves) {
+  std::string news = "first\n";  // used on the server's thread
+  Start([&](const HttpRequest&, const HttpServer::Respond& respond) {
+    HttpResponse response{200, "text/event-stream"};
+    response.stream = {[&news] { return std::exchange(news, ""); }, "idle\n", 0.05};
+    respond(response);
+  });
+  asio::io_context io;
+  Tcp::socket socket(io);
+  socket.connect({asio::ip::address_v4::loopback(), port_});
+  asio::write(socket, asio::buffer(std::string("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")));
+  std::string seen;
+  const auto wait_for = [&](const std::string& line) {
+    seen.clear();
+    while (!Holds(seen, line)) {
+      std::string part(100, '\0');
+      part.resize(socket.read_some(asio::buffer(part)));
+      seen += part;
+    }
+  };
+  wait_for("first\n");
+  EXPECT_TRUE(Holds(seen, " 200 OK\r\n"));
+  wait_for("idle\nidle\n");
+  asio::post(context_, [&] {
+    news = "second\n";
+    server_->Wake();
+  });
+  wait_for("second\n");
 }
 
 TEST_F(HttpServerTest, RefusesWhatIsTooLargeNoHttpOrFromAnotherHost) {

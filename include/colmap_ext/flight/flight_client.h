@@ -1,26 +1,14 @@
 // Talks to the daemon of a workspace (docs/flight_api.md). For the session and for flight_client.
 #pragma once
 
-#include <filesystem>
 #include <functional>
-#include <optional>
 #include <string>
 
 #include "colmap_ext/flight/flight_mission.h"
+#include "colmap_ext/scene/daemon_address.h"
 #include "colmap_ext/scene/json_file.h"
 
 namespace colmap_ext {
-
-// flightd.json: how to reach the daemon of a workspace.
-struct DaemonAddress {
-  int port = 0;
-  int pid = 0;
-  std::string token;  // needed by every request; the file is readable for its owner only
-};
-std::filesystem::path DaemonAddressPath(const std::filesystem::path& workspace_path);
-// nullopt: there is no file, or the process that wrote it is gone. Throws Error for a damaged file.
-std::optional<DaemonAddress> FindDaemon(const std::filesystem::path& workspace_path);
-void WriteDaemonAddress(const DaemonAddress& address, const std::filesystem::path& workspace_path);
 
 // Every method throws Error when the daemon cannot be reached, or with its reason when it refuses.
 class FlightClient {

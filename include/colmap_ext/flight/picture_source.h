@@ -13,21 +13,14 @@
 #include "colmap_ext/mavlink/frame.h"
 #include "colmap_ext/mavlink/ftp_client.h"
 #include "colmap_ext/mavlink/messages.h"
+#include "colmap_ext/util/http_client.h"
 
 namespace colmap_ext {
-
-struct HttpPictureOptions {
-  double connect_timeout_s = 5;
-  double silence_timeout_s = 10;  // the server sends nothing for so long
-  double total_timeout_s = 180;   // a full-resolution picture over a slow link
-  std::size_t max_bytes = std::size_t{200} << 20;
-  std::string Check() const;
-};
 
 // Body of `http://host[:port]/path`. Blocks: for a worker. Throws Error, naming the URL, when the
 // server cannot be reached, falls silent, answers anything but 200, or sends fewer bytes than it
 // announced. Redirections are not followed: a camera has none.
-std::string GetPictureByHttp(const std::string& url, const HttpPictureOptions& options);
+std::string GetPictureByHttp(const std::string& url, const HttpCallOptions& options);
 
 struct CaptureFolderOptions {
   // Between the report of a picture and the time of its file, s.

@@ -4,8 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace boost::asio {
 class io_context;
@@ -17,12 +21,28 @@ struct HttpRequest {
   std::string method;  // "GET", "POST", …
   std::string target;  // "/status?since=3", as sent
   std::string body;
+  std::map<std::string, std::string> headers = {};  // by name in small letters: "host"
+
+  // Of a name in small letters; empty when the request has none.
+  std::string Header(const std::string& name) const;
+};
+
+// A body without an end, for example server-sent events. The connection closes after it.
+struct HttpStream {
+  // Called on the io_context's thread: what to send next. Empty: nothing now; it is called again
+  // after HttpServer::Wake().
+  std::function<std::string()> next_piece;
+  // Sent when there was nothing else for so long, to find out whether the client still listens.
+  std::string idle_piece;
+  double idle_s = 10;
 };
 
 struct HttpResponse {
   int status = 200;
   std::string content_type = "application/json";
   std::string body;
+  std::vector<std::pair<std::string, std::string>> headers = {};  // further ones
+  std::optional<HttpStream> stream = std::nullopt;                // instead of `body`
 };
 
 // A JSON object {"error": reason}.
@@ -51,6 +71,8 @@ class HttpServer {
   HttpServer& operator=(const HttpServer&) = delete;
 
   std::uint16_t port() const;
+  // Streams that had nothing to send are asked again. On the io_context's thread.
+  void Wake();
 
  private:
   struct Impl;

@@ -4,6 +4,7 @@
 #include <new>
 
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/job_control.h"
 
 namespace colmap_ext {
 

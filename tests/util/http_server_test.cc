@@ -115,7 +115,7 @@ TEST_F(HttpServerTest, HeadersOfBothSides) {
 TEST_F(HttpServerTest, StreamsUntilTheClientLeaves) {
   std::string news = "first\n";  // used on the server's thread
   Start([&](const HttpRequest&, const HttpServer::Respond& respond) {
-    HttpResponse response{200, "text/event-stream"};
+    HttpResponse response{200, "text/event-stream", ""};
     response.stream = {[&news] { return std::exchange(news, ""); }, "idle\n", 0.05};
     respond(response);
   });

@@ -1,5 +1,6 @@
 #include "speed.h"
 
+#include <algorithm>
 #include <limits>
 #include <memory>
 
@@ -80,6 +81,21 @@ void AddTimes(const std::string& name, const Timed& timed, double goal_s, BenchR
   report->Add(name + ": processor time", timed.best.cpu_s, "CPU s");
   report->Add(name + ": views", static_cast<double>(timed.plan.views.size()), "");
   report->Add(name + ": tour", timed.plan.tour_length_m, "m");
+}
+
+// What it takes to know where the vehicle can be, before a plan.
+void AddSpaceCost(const std::string& name, const Situation& situation, const PathOptions& options,
+                  int repetitions, BenchReport* report) {
+  const std::vector<PosedPhoto>& photos = situation.photos.photos;
+  const Eigen::Vector3d start = CameraCenter(photos.back().cam_from_world);
+  double best_s = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < repetitions; ++i) {
+    const StageTimer timer;
+    KnownSpace({situation.surface, {}, {}}, photos, start, options);
+    best_s = std::min(best_s, timer.Stop().cpu_s);
+  }
+  report->Add(name + ": known space of " + std::to_string(photos.size()) + " photos", best_s,
+              "CPU s", AtMost(0.3));
 }
 
 struct Segment {
@@ -169,6 +185,7 @@ void MeasureSpeed(const TrueSite& site, const std::filesystem::path& workspace, 
               "");
   report->Add(where + ": uncovered iso-points",
               static_cast<double>(situation.coverage.Count(CoverageClass::kUncovered)), "");
+  AddSpaceCost(where, situation, stages.path, repetitions, report);
   NextBestViewOptions options = stages.nbv;
   options.visibility = stages.coverage.visibility;
   options.strategy = "plane_sweep";

@@ -19,7 +19,7 @@ constexpr double kCoarseTextures = 16;  // pictures are not looked at
 
 // The scene without the ground far from the model.
 TriangleMesh Cropped(const TriangleMesh& mesh, const BoundingBox& model) {
-  const double margin = 0.3 * model.diagonal().norm();
+  const double margin = 0.1 * model.diagonal().norm();
   const BoundingBox box(model.min().array() - margin, model.max().array() + margin);
   TriangleMesh cropped;
   cropped.vertices = mesh.vertices;

@@ -12,19 +12,29 @@ constexpr int kHeight = 54;
 // Surface nearer to the camera than this is cut off.
 constexpr double kNear_m = 0.05;
 
+std::size_t PixelIndex(int row, int col) { return static_cast<std::size_t>(row * kWidth + col); }
+std::size_t CornerIndex(int row, int col) {
+  return static_cast<std::size_t>(row * (kWidth + 1) + col);
+}
+
 // A convex polygon of at most four corners: pixel coordinates and inverse depth.
 struct Polygon {
   std::array<Eigen::Vector3d, 4> corners;
   int size = 0;
 };
 
+// Pixel coordinates and inverse depth.
+Eigen::Vector3d OnScreen(const Eigen::Vector3d& in_cam, const PinholeCamera& camera) {
+  const Eigen::Vector2d pixel = camera.Project(in_cam);
+  return {pixel.x(), pixel.y(), 1 / in_cam.z()};
+}
+
 // Part of the triangle (camera frame) with z >= kNear_m.
 Polygon CutAtNearPlane(const std::array<const Eigen::Vector3d*, 3>& triangle,
                        const PinholeCamera& camera) {
   Polygon polygon;
   const auto add = [&](const Eigen::Vector3d& point) {
-    const Eigen::Vector2d pixel = camera.Project(point);
-    polygon.corners[static_cast<std::size_t>(polygon.size++)] << pixel, 1 / point.z();
+    polygon.corners[static_cast<std::size_t>(polygon.size++)] = OnScreen(point, camera);
   };
   for (std::size_t i = 0; i < 3; ++i) {
     const Eigen::Vector3d& from = *triangle[i];
@@ -100,68 +110,169 @@ struct DepthRaster::ScreenPolygon {
   double most_inverse = 0;
 };
 
-namespace {
+// The pixels that a box of pixel coordinates touches, and the corners in it: each is named like the
+// pixel below and to the right of it, so there is one more row and column of them.
+struct DepthRaster::PixelBox {
+  template <typename Vector>
+  PixelBox(const Vector& min, const Vector& max)
+      : left(Floor(min.x(), 0, kWidth)),
+        right(Floor(max.x(), 0, kWidth)),
+        top(Floor(min.y(), 0, kHeight)),
+        bottom(Floor(max.y(), 0, kHeight)),
+        first_corner_col(left < min.x() ? left + 1 : left),
+        first_corner_row(top < min.y() ? top + 1 : top) {}
 
-// Pixels from `low` to `high` (both included) of an axis that [min, max] touches.
-void PixelRange(double min, double max, int size, int* low, int* high) {
-  *low = static_cast<int>(std::floor(std::clamp(min, -1.0, size + 1.0)));
-  *high = static_cast<int>(std::floor(std::clamp(max, -1.0, size + 1.0)));
-}
+  // One pixel, and none of its corners.
+  bool IsOne() const {
+    return left == right && top == bottom && left < kWidth && top < kHeight &&
+           (first_corner_col > right || first_corner_row > bottom);
+  }
+  std::size_t First() const { return PixelIndex(top, left); }
 
-}  // namespace
+  static int Floor(double value, double least, double most) {
+    return static_cast<int>(std::clamp(value, least, most));  // none is negative
+  }
 
-DepthRaster::DepthRaster(const TriangleMesh& surface, const std::vector<bool>& confident,
-                         const Rigid3d& cam_from_world, const PinholeCamera& camera)
+  int left, right, top, bottom;            // all included
+  int first_corner_col, first_corner_row;  // the last ones are right and bottom
+};
+
+// A vertex of the surface: camera frame, pixel coordinates and inverse depth; these mean nothing
+// before the near plane.
+struct DepthRaster::Vertex {
+  Eigen::Vector3d in_cam;
+  Eigen::Vector3d on_screen;
+};
+
+DepthRaster::DepthRaster(const FaceClusters& surface, const Rigid3d& cam_from_world,
+                         const PinholeCamera& camera)
     : cam_from_world_(cam_from_world),
       camera_(ScaleTo(camera, kWidth, kHeight)),
       largest_inverse_depth_(std::size_t{kWidth} * kHeight, 0.0f),
       is_confident_(std::size_t{kWidth + 1} * (kHeight + 1), 0) {
-  std::vector<float> at_corner(is_confident_.size(), 0.0f);
-  std::vector<Eigen::Vector3d> in_cam(surface.vertices.size());
   const Eigen::Matrix3d rotation = cam_from_world.rotation.toRotationMatrix();
-  for (std::size_t i = 0; i < in_cam.size(); ++i) {
-    in_cam[i] = rotation * surface.vertices[i] + cam_from_world.translation;
+  const auto in_cam = [&](const Eigen::Vector3d& point) -> Eigen::Vector3d {
+    return rotation * point + cam_from_world.translation;
+  };
+  // Near ones first, so that they hide the others.
+  std::vector<std::pair<double, const FaceClusters::Cluster*>> by_depth;
+  for (const FaceClusters::Cluster& cluster : surface.clusters) {
+    const double depth = rotation.row(2).dot(cluster.center) + cam_from_world.translation.z();
+    if (depth + cluster.radius_m < kNear_m) continue;
+    by_depth.emplace_back(depth - cluster.radius_m, &cluster);
   }
-  for (std::size_t f = 0; f < surface.faces.size(); ++f) {
-    const Eigen::Vector3i& face = surface.faces[f];
-    Draw(in_cam[static_cast<std::size_t>(face[0])], in_cam[static_cast<std::size_t>(face[1])],
-         in_cam[static_cast<std::size_t>(face[2])], confident.empty() || confident[f], &at_corner);
-  }
-}
-
-void DepthRaster::Draw(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
-                       bool confident, std::vector<float>* at_corner) {
-  if (a.z() < kNear_m && b.z() < kNear_m && c.z() < kNear_m) return;
-  const Polygon polygon = CutAtNearPlane({&a, &b, &c}, camera_);
-  if (polygon.size < 3) return;
-  Eigen::Vector2d min = polygon.corners[0].head<2>(), max = min;
-  for (int i = 1; i < polygon.size; ++i) {
-    min = min.cwiseMin(polygon.corners[static_cast<std::size_t>(i)].head<2>());
-    max = max.cwiseMax(polygon.corners[static_cast<std::size_t>(i)].head<2>());
-  }
-  if (max.x() < 0 || max.y() < 0 || min.x() > kWidth || min.y() > kHeight) return;
-  const ScreenPolygon screen(polygon);
-  int left = 0, right = 0, top = 0, bottom = 0;
-  PixelRange(min.x(), max.x(), kWidth, &left, &right);
-  PixelRange(min.y(), max.y(), kHeight, &top, &bottom);
-  for (int row = std::max(0, top); row <= std::min(kHeight, bottom + 1); ++row) {
-    for (int col = std::max(0, left); col <= std::min(kWidth, right + 1); ++col) {
-      if (row < kHeight && col < kWidth) SetNearest(screen, row, col);
-      const auto corner = static_cast<std::size_t>(row * (kWidth + 1) + col);
-      const auto depth = static_cast<float>(screen.inverse_depth.At(col, row));
-      if (depth <= (*at_corner)[corner] || !screen.Covers(col, row)) continue;
-      (*at_corner)[corner] = depth;
-      is_confident_[corner] = confident ? 1 : 0;
+  std::sort(by_depth.begin(), by_depth.end());
+  std::vector<float> at_corner(is_confident_.size(), 0.0f);
+  std::vector<Vertex> vertices;
+  for (const auto& [nearest_depth, cluster] : by_depth) {
+    if (!MayShow(in_cam(cluster->center), cluster->radius_m, at_corner)) continue;
+    vertices.clear();
+    for (std::uint32_t v = cluster->first_vertex; v < cluster->end_vertex; ++v) {
+      const Eigen::Vector3d vertex = in_cam(surface.vertices[v]);
+      vertices.push_back({vertex, OnScreen(vertex, camera_)});
+    }
+    for (std::uint32_t f = cluster->first_face; f < cluster->end_face; ++f) {
+      const FaceClusters::Face& face = surface.faces[f];
+      Draw({&vertices[face.vertices[0]], &vertices[face.vertices[1]], &vertices[face.vertices[2]]},
+           face.is_confident, &at_corner);
     }
   }
 }
 
-void DepthRaster::SetNearest(const ScreenPolygon& screen, int row, int col) {
+// No less than the half axes of the outline of a ball that is wholly before the camera: the slope
+// of a ray to its rim changes by at most radius (1 + slope) / nearest depth.
+Eigen::Vector2d DepthRaster::HalfAxes(const Eigen::Vector3d& center_in_cam, double radius_m) const {
+  const double nearest_depth = center_in_cam.z() - radius_m;
+  const double slope_x = std::abs(center_in_cam.x() / center_in_cam.z());
+  const double slope_y = std::abs(center_in_cam.y() / center_in_cam.z());
+  return {camera_.fx * radius_m * (1 + slope_x) / nearest_depth,
+          camera_.fy * radius_m * (1 + slope_y) / nearest_depth};
+}
+
+// Whether something in the ball may be in the picture and nearer than all that is drawn there.
+bool DepthRaster::MayShow(const Eigen::Vector3d& center_in_cam, double radius_m,
+                          const std::vector<float>& at_corner) const {
+  const double nearest_depth = center_in_cam.z() - radius_m;
+  if (nearest_depth <= std::max(radius_m, kNear_m)) return true;
+  const Eigen::Vector2d pixel = camera_.Project(center_in_cam);
+  const Eigen::Vector2d half = HalfAxes(center_in_cam, radius_m);
+  const Eigen::Vector2d min = pixel - half, max = pixel + half;
+  if (max.x() < 0 || max.y() < 0 || min.x() > kWidth || min.y() > kHeight) return false;
+  return !IsHidden(PixelBox(min, max), static_cast<float>((1 + 1e-6) / nearest_depth), at_corner);
+}
+
+void DepthRaster::Draw(const std::array<const Vertex*, 3>& face, bool confident,
+                       std::vector<float>* at_corner) {
+  const double a = face[0]->in_cam.z(), b = face[1]->in_cam.z(), c = face[2]->in_cam.z();
+  if (a < kNear_m && b < kNear_m && c < kNear_m) return;
+  Polygon polygon;
+  if (a >= kNear_m && b >= kNear_m && c >= kNear_m) {
+    for (std::size_t i = 0; i < 3; ++i) polygon.corners[i] = face[i]->on_screen;
+    polygon.size = 3;
+  } else {
+    polygon = CutAtNearPlane({&face[0]->in_cam, &face[1]->in_cam, &face[2]->in_cam}, camera_);
+    if (polygon.size < 3) return;
+  }
+  Eigen::Vector3d min = polygon.corners[0], max = min;
+  for (int i = 1; i < polygon.size; ++i) {
+    min = min.cwiseMin(polygon.corners[static_cast<std::size_t>(i)]);
+    max = max.cwiseMax(polygon.corners[static_cast<std::size_t>(i)]);
+  }
+  if (max.x() < 0 || max.y() < 0 || min.x() > kWidth || min.y() > kHeight) return;
+  const PixelBox pixels(min, max);
+  const auto nearest = static_cast<float>(max.z());
+  if (pixels.IsOne()) {  // most faces are so small
+    float& largest = largest_inverse_depth_[pixels.First()];
+    largest = std::max(largest, nearest);
+    return;
+  }
+  if (IsHidden(pixels, nearest, *at_corner)) return;
+  const ScreenPolygon screen(polygon);
+  for (int row = pixels.top; row <= std::min(pixels.bottom, kHeight - 1); ++row) {
+    for (int col = pixels.left; col <= std::min(pixels.right, kWidth - 1); ++col) {
+      SetNearest(screen, nearest, row, col);
+    }
+  }
+  for (int row = pixels.first_corner_row; row <= pixels.bottom; ++row) {
+    for (int col = pixels.first_corner_col; col <= pixels.right; ++col) {
+      SetCorner(screen, row, col, confident, at_corner);
+    }
+  }
+}
+
+// Whether all that the pixels and their corners show so far is as near as that.
+bool DepthRaster::IsHidden(const PixelBox& pixels, float inverse_depth,
+                           const std::vector<float>& at_corner) const {
+  for (int row = pixels.top; row <= std::min(pixels.bottom, kHeight - 1); ++row) {
+    for (int col = pixels.left; col <= std::min(pixels.right, kWidth - 1); ++col) {
+      if (largest_inverse_depth_[PixelIndex(row, col)] < inverse_depth) return false;
+    }
+  }
+  for (int row = pixels.first_corner_row; row <= pixels.bottom; ++row) {
+    for (int col = pixels.first_corner_col; col <= pixels.right; ++col) {
+      if (at_corner[CornerIndex(row, col)] < inverse_depth) return false;
+    }
+  }
+  return true;
+}
+
+// `most`: the inverse depth of the nearest corner of the polygon.
+void DepthRaster::SetNearest(const ScreenPolygon& screen, float most, int row, int col) {
+  float& largest = largest_inverse_depth_[PixelIndex(row, col)];
+  if (most <= largest) return;
   const double x = col + 0.5, y = row + 0.5;
-  if (!screen.Touches(x, y)) return;
-  const double nearest = std::min(screen.most_inverse, screen.inverse_depth.Most(x, y));
-  float& largest = largest_inverse_depth_[static_cast<std::size_t>(row * kWidth + col)];
-  largest = std::max(largest, static_cast<float>(nearest));
+  const float nearest = std::min(most, static_cast<float>(screen.inverse_depth.Most(x, y)));
+  if (nearest > largest && screen.Touches(x, y)) largest = nearest;
+}
+
+// The corner above and to the left of the pixel.
+void DepthRaster::SetCorner(const ScreenPolygon& screen, int row, int col, bool confident,
+                            std::vector<float>* at_corner) {
+  const std::size_t corner = CornerIndex(row, col);
+  const auto depth = static_cast<float>(screen.inverse_depth.At(col, row));
+  if (depth <= (*at_corner)[corner] || !screen.Covers(col, row)) return;
+  (*at_corner)[corner] = depth;
+  is_confident_[corner] = confident ? 1 : 0;
 }
 
 bool DepthRaster::HasSeenPast(const Eigen::Vector3d& center, double radius_m) const {
@@ -170,12 +281,7 @@ bool DepthRaster::HasSeenPast(const Eigen::Vector3d& center, double radius_m) co
   const double nearest_depth = center_in_cam.z() - radius_m;
   if (nearest_depth <= radius_m) return false;
   const Eigen::Vector2d pixel = camera_.Project(center_in_cam);
-  // No less than the half axes of the outline: the slope of a ray to the ball's rim changes by at
-  // most radius (1 + slope) / nearest depth.
-  const double slope_x = std::abs(center_in_cam.x() / center_in_cam.z());
-  const double slope_y = std::abs(center_in_cam.y() / center_in_cam.z());
-  const Eigen::Vector2d half(camera_.fx * radius_m * (1 + slope_x) / nearest_depth,
-                             camera_.fy * radius_m * (1 + slope_y) / nearest_depth);
+  const Eigen::Vector2d half = HalfAxes(center_in_cam, radius_m);
   if (!((pixel - half).minCoeff() >= 0) || !(pixel.x() + half.x() < kWidth) ||
       !(pixel.y() + half.y() < kHeight)) {
     return false;
@@ -186,9 +292,9 @@ bool DepthRaster::HasSeenPast(const Eigen::Vector3d& center, double radius_m) co
   const auto limit = static_cast<float>((1 - 1e-6) / (center_in_cam.z() + radius_m));
   for (int row = low.y(); row <= high.y() + 1; ++row) {
     for (int col = low.x(); col <= high.x() + 1; ++col) {
-      if (is_confident_[static_cast<std::size_t>(row * (kWidth + 1) + col)] == 0) return false;
+      if (is_confident_[CornerIndex(row, col)] == 0) return false;
       if (row > high.y() || col > high.x()) continue;
-      if (largest_inverse_depth_[static_cast<std::size_t>(row * kWidth + col)] > limit) {
+      if (largest_inverse_depth_[PixelIndex(row, col)] > limit) {
         return false;
       }
     }

@@ -1,11 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "colmap_ext/geom/camera.h"
-#include "colmap_ext/geom/mesh.h"
 #include "colmap_ext/geom/transforms.h"
+#include "path/face_clusters.h"
 
 namespace colmap_ext {
 
@@ -14,9 +15,8 @@ namespace colmap_ext {
 // than a pixel hides what is behind it, as it does in the photo.
 class DepthRaster {
  public:
-  // `confident`: one a face, or empty: all are.
-  DepthRaster(const TriangleMesh& surface, const std::vector<bool>& confident,
-              const Rigid3d& cam_from_world, const PinholeCamera& camera);
+  DepthRaster(const FaceClusters& surface, const Rigid3d& cam_from_world,
+              const PinholeCamera& camera);
 
   // Whether the whole ball lies before the surface: every pixel that it touches shows only surface
   // behind the ball, and confident surface at its corners (a straight edge beyond which there is
@@ -27,10 +27,19 @@ class DepthRaster {
  private:
   struct ScreenPolygon;  // a piece of the surface in the image
 
-  void Draw(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
-            bool confident, std::vector<float>* at_corner);
+  struct PixelBox;
+  struct Vertex;
 
-  void SetNearest(const ScreenPolygon& screen, int row, int col);
+  Eigen::Vector2d HalfAxes(const Eigen::Vector3d& center_in_cam, double radius_m) const;
+  bool MayShow(const Eigen::Vector3d& center_in_cam, double radius_m,
+               const std::vector<float>& at_corner) const;
+  void Draw(const std::array<const Vertex*, 3>& face, bool confident,
+            std::vector<float>* at_corner);
+  bool IsHidden(const PixelBox& pixels, float inverse_depth,
+                const std::vector<float>& at_corner) const;
+  void SetNearest(const ScreenPolygon& screen, float most, int row, int col);
+  void SetCorner(const ScreenPolygon& screen, int row, int col, bool confident,
+                 std::vector<float>* at_corner);
 
   Rigid3d cam_from_world_;
   PinholeCamera camera_;

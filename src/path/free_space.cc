@@ -170,10 +170,11 @@ FreeSpace::FreeSpace(const Surface& surface, const std::vector<PosedPhoto>& phot
   for (const PosedPhoto& photo : photos) positions.push_back(CameraCenter(photo.cam_from_world));
   impl_->hull = HullAround(positions, options.flown_margin_m);
   impl_->zones = options.zones;
-  const std::vector<bool> confident = ConfidentFaces(surface, options.confident_spacing_m);
+  if (photos.empty()) return;
+  const FaceClusters clusters(surface.mesh, ConfidentFaces(surface, options.confident_spacing_m));
   std::vector<std::optional<DepthRaster>> views(photos.size());
   tbb::parallel_for(std::size_t{0}, photos.size(), [&](std::size_t i) {
-    views[i].emplace(surface.mesh, confident, photos[i].cam_from_world, photos[i].camera);
+    views[i].emplace(clusters, photos[i].cam_from_world, photos[i].camera);
   });
   for (auto& view : views) impl_->views.push_back(std::move(*view));
 }

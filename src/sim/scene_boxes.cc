@@ -1,4 +1,4 @@
-// Cardboard buildings on the floor of a room of 6 x 6 m, open above. Floor and walls are ground.
+// Cardboard buildings on the floor of a room of 8 x 8 m, open above. Floor and walls are ground.
 #include <cmath>
 
 #include "colmap_ext/geom/transforms.h"
@@ -10,7 +10,8 @@
 namespace colmap_ext {
 namespace {
 
-constexpr double kRoomHalf = 3.0, kRoomHeight = 2.4;  // m
+// The first flight, 1 m beside the buildings, stays a metre from the walls.
+constexpr double kRoomHalf = 4.0, kRoomHeight = 2.4;  // m
 constexpr double kEdge = 0.05;                        // m, of the triangles of a box
 constexpr double kBulge = 0.004;                      // m, unevenness of cardboard
 

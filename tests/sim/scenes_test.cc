@@ -117,7 +117,7 @@ TEST(Boxes, StandInARoomThatIsOpenAbove) {
       (scene.IsGround(i) ? room : box_of_object[scene.object_of_face[i]]).extend(v);
     }
   }
-  EXPECT_TRUE(room.sizes().head<2>().isApprox(Eigen::Vector2d(6, 6), 1e-6));
+  EXPECT_TRUE(room.sizes().head<2>().isApprox(Eigen::Vector2d(8, 8), 1e-6));
   EXPECT_GE(box_of_object.size(), 8u);
   const RayScene rays(scene.mesh);
   EXPECT_FALSE(rays.Intersect({2.5, 2.5, 1}, Eigen::Vector3d::UnitZ(), 0, 100).has_value());

@@ -52,7 +52,7 @@ void CheckScene(const TexturedScene& scene, const std::string& where);
 //   the
 //             south, eaves that overhang 0.6 m, windows recessed by 0.3 m.
 //   "gate":   Asian gate 15 m high with columns and brackets under a wide two-tier roof.
-//   "boxes":  cardboard buildings of 0.5 … 1.6 m in a room of 6 x 6 m, open above.
+//   "boxes":  cardboard buildings of 0.5 … 1.6 m in a room of 8 x 8 m, open above.
 // Faces that cannot be seen from outside (the inside of joints) are left out, so that the truth
 // holds only what a photo can show. `texel_scale` > 1 makes coarser, quicker textures (for tests);
 // 1 is 1.4 cm a texel on the church. Throws UsageError for an unknown name or a scale outside

@@ -1,16 +1,22 @@
 #include <iostream>
 #include <memory>
+#include <optional>
+#include <string>
+#include <utility>
 
 #include "colmap_ext/report/page_server.h"
 #include "colmap_ext/report/summary_json.h"
 #include "colmap_ext/report/summary_table.h"
 #include "colmap_ext/scene/workspace.h"
+#include "colmap_ext/session/forecast.h"
 #include "colmap_ext/session/presets.h"
 #include "colmap_ext/session/session.h"
+#include "colmap_ext/session/session_lock.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
 #include "command_line.h"
 #include "commands.h"
+#include "session_events.h"
 
 namespace colmap_ext {
 namespace {
@@ -37,6 +43,87 @@ void BindInputs(OptionSet& set, SessionInputs* inputs) {
   set.Add("", "colmap_path", &inputs->colmap_path, "the colmap program; default: on the PATH");
 }
 
+// What the command itself takes, besides the session's own.
+struct CaptureOptions {
+  std::string preset, vehicle;
+  int serve_port = 0;
+  bool status = false, dry_run = false;
+  SessionHooks hooks;
+};
+
+void BindOptions(OptionSet& set, CaptureOptions* o) {
+  set.Add("", "preset", &o->preset,
+          "size of the site: outdoor or indoor; default: indoor for boxes; "
+          "your own photos are fitted to what they resolve (--Session.fit_to_site)");
+  set.Add("", "serve", &o->serve_port,
+          "show the session on a page at http://127.0.0.1:PORT/ while it runs, and "
+          "after, until Ctrl-C; 0: any free port");
+  set.Add("", "vehicle", &o->vehicle, "the same as --Session.vehicle");
+  set.Add("", "status", &o->status, "only say how far the session of this workspace is");
+  set.Add("", "dry_run", &o->dry_run,
+          "only say what would be done: stages, photos, flight, room on the disk");
+  set.Add("", "on_iteration", &o->hooks.on_iteration,
+          "shell command to run after every iteration (docs/file_formats.md, Hooks)");
+  set.Add("", "on_finish", &o->hooks.on_finish,
+          "shell command to run when the session has nothing more to do");
+}
+
+int ShowStatus(const SessionInputs& inputs, ProgramLog* log) {
+  const SessionStatus status = ReadSessionStatus(inputs.workspace_path);
+  std::cout << StatusText(status);
+  log->Result(StatusToJson(status));
+  return 0;
+}
+
+int ShowForecast(const SessionInputs& inputs, const StageOptions& options, ProgramLog* log) {
+  const SessionForecast forecast = ForecastSession(inputs, options);
+  std::cout << ForecastText(forecast);
+  log->Result(ForecastToJson(forecast));
+  return 0;
+}
+
+// Options of the workspace's session, and those that follow from others.
+void CompleteOptions(const SessionInputs& inputs, const CaptureOptions& capture, OptionSet* set,
+                     StageOptions* options) {
+  const Workspace workspace(inputs.workspace_path);
+  if (std::filesystem::exists(workspace.session_ini())) set->ParseIniFile(workspace.session_ini());
+  std::string preset = capture.preset;
+  if (!inputs.image_path.empty() && preset.empty() && !set->IsSet("Session.fit_to_site")) {
+    options->session.fit_to_site = !set->IsSet("Coverage.ground_sampling_distance_mm");
+  }
+  if (!capture.vehicle.empty()) options->session.vehicle = capture.vehicle;
+  if (preset.empty()) preset = inputs.scene == "boxes" ? "indoor" : "outdoor";
+  ApplyPreset(preset, *set, options);
+}
+
+int RunWithPage(const SessionInputs& inputs, const StageOptions& options,
+                const CaptureOptions& capture, const std::string& session_ini, bool serves,
+                Program* program) {
+  const Workspace workspace(inputs.workspace_path);
+  std::optional<SessionLock> lock(std::in_place, workspace);
+  WriteFileAtomically(workspace.session_ini(), session_ini);
+  std::unique_ptr<PageServer> server;
+  if (serves) {
+    server =
+        std::make_unique<PageServer>(workspace, options.page, capture.serve_port, &program->log);
+    server->Message(LogLevel::kInfo, "The session's page: " + server->url());
+  }
+  ProgressSink* const sink = server ? static_cast<ProgressSink*>(server.get()) : &program->log;
+  const JobControl job(sink, &program->cancel);
+  SessionEvents events(workspace, capture.hooks, &program->log, job);
+  const SessionSummary summary = RunSession(inputs, options, job, &events);
+  std::cout << '\n' << SummaryTable(summary) << std::flush;
+  program->log.Result(SummaryToJson(summary));
+  events.OnFinish(summary);
+  lock.reset();
+  if (server) {
+    server->Finish();
+    job.Info("The page stays at " + server->url() + " until Ctrl-C");
+    PageServer::WaitUntilCancelled(job);
+  }
+  return 0;
+}
+
 }  // namespace
 
 int RunActiveCapture(const Arguments& arguments, Program& program) {
@@ -48,52 +135,20 @@ int RunActiveCapture(const Arguments& arguments, Program& program) {
       "again when there are new photos. A session that was stopped goes on.");
   SessionInputs inputs;
   StageOptions options;
-  std::string preset, vehicle;
-  int serve_port = 0;
+  CaptureOptions capture;
   BindInputs(line.options(), &inputs);
-  line.options().Add("", "preset", &preset,
-                     "size of the site: outdoor or indoor; default: indoor for boxes; "
-                     "your own photos are fitted to what they resolve (--Session.fit_to_site)");
-  line.options().Add("", "serve", &serve_port,
-                     "show the session on a page at http://127.0.0.1:PORT/ while it runs, and "
-                     "after, until Ctrl-C; 0: any free port");
-  line.options().Add("", "vehicle", &vehicle, "the same as --Session.vehicle");
+  BindOptions(line.options(), &capture);
   BindOptions(line.options(), &options);
   if (!line.Parse(arguments, &program.log)) return 0;
   RequireOption(inputs.workspace_path, "workspace_path");
-
-  const Workspace workspace(inputs.workspace_path);
-  if (std::filesystem::exists(workspace.session_ini())) {
-    line.options().ParseIniFile(workspace.session_ini());
-  }
-  if (!inputs.image_path.empty() && preset.empty() &&
-      !line.options().IsSet("Session.fit_to_site")) {
-    options.session.fit_to_site = !line.options().IsSet("Coverage.ground_sampling_distance_mm");
-  }
-  if (!vehicle.empty()) options.session.vehicle = vehicle;
-  if (preset.empty()) preset = inputs.scene == "boxes" ? "indoor" : "outdoor";
-  ApplyPreset(preset, line.options(), &options);
+  if (capture.status) return ShowStatus(inputs, &program.log);
+  CompleteOptions(inputs, capture, &line.options(), &options);
   inputs.Check();
   ThrowIfInvalid(options.Check());
+  if (capture.dry_run) return ShowForecast(inputs, options, &program.log);
   RequireWritableFolder(inputs.workspace_path, "workspace");
-  WriteFileAtomically(workspace.session_ini(), line.options().ToIni());
-
-  std::unique_ptr<PageServer> server;
-  if (line.options().IsSet("serve")) {
-    server = std::make_unique<PageServer>(workspace, options.page, serve_port, &program.log);
-    server->Message(LogLevel::kInfo, "The session's page: " + server->url());
-  }
-  ProgressSink* const sink = server ? static_cast<ProgressSink*>(server.get()) : &program.log;
-  const JobControl job(sink, &program.cancel);
-  const SessionSummary summary = RunSession(inputs, options, job);
-  std::cout << '\n' << SummaryTable(summary);
-  program.log.Result(SummaryToJson(summary));
-  if (server) {
-    server->Finish();
-    job.Info("The page stays at " + server->url() + " until Ctrl-C");
-    PageServer::WaitUntilCancelled(job);
-  }
-  return 0;
+  return RunWithPage(inputs, options, capture, line.options().ToIni(),
+                     line.options().IsSet("serve"), &program);
 }
 
 }  // namespace colmap_ext

@@ -28,6 +28,7 @@
 #include "colmap_ext/util/stage_timer.h"
 #include "colmap_ext/util/statistics.h"
 #include "session/arbitrary_frame.h"
+#include "session/open_session.h"
 #include "session/pictures.h"
 
 namespace colmap_ext {
@@ -64,7 +65,14 @@ struct Work {
   ViewPlanResult plan;
   FlightPath path;
   std::map<std::string, StageCost> cost;
+  int iteration = 0;
+  SessionObserver* observer = nullptr;
 };
+
+void Record(const std::string& stage, const StageCost& cost, Work* work) {
+  work->cost[stage] = cost;
+  if (work->observer != nullptr) work->observer->OnStage(work->iteration, stage, cost);
+}
 
 // Runs `stage` and remembers what it cost.
 template <typename Stage>
@@ -73,7 +81,7 @@ void Timed(const std::string& name, Work* work, const JobControl& job, const Sta
   const StageTimer timer;
   stage();
   const StageCost cost = timer.Stop();
-  work->cost[name] = cost;
+  Record(name, cost, work);
   char line[96];
   std::snprintf(line, sizeof line, "  %-12s %6.1f s", name.c_str(), cost.wall_s);
   job.Info(line);
@@ -120,8 +128,8 @@ void RunStereo(const IterationContext& context, Work* work, const JobControl& jo
   StereoMemory* memory = context.stereo_memory != nullptr ? context.stereo_memory : &no_memory;
   work->stereo =
       UpdateSuperpixelStereo(work->photos, options.superpixels, options.stereo, job, memory);
-  work->cost["superpixels"] = work->stereo.superpixels;
-  work->cost["stereo"] = work->stereo.stereo;
+  Record("superpixels", work->stereo.superpixels, work);
+  Record("stereo", work->stereo.stereo, work);
   Timed("fusion", work, job, [&] {
     work->points = SamplePoints(work->photos, work->stereo.views, options.points);
     WriteOrientedPoints(work->points, work->files.fused_ply());
@@ -208,12 +216,6 @@ void WriteMission(const IterationContext& context, const SessionState& state, co
   WriteFileAtomically(work.files.mission_plan(), QgcPlan(work.path, work.sparse.frame, options));
 }
 
-int CountPlannedStops(const FlightPath& path) {
-  return static_cast<int>(
-      std::count_if(path.waypoints.begin(), path.waypoints.end(),
-                    [](const Waypoint& waypoint) { return waypoint.view_id >= 0; }));
-}
-
 void Evaluate(const IterationContext& context, const Work& work, IterationSummary* summary,
               const JobControl& job) {
   const auto true_poses = PoseOfPhoto(ReadTruePoses(context.true_poses_path));
@@ -270,6 +272,8 @@ IterationResult RunIteration(const IterationContext& given, SessionState* state,
                              const JobControl& job) {
   const StageTimer timer;
   Work work;
+  work.iteration = state->iterations_done;
+  work.observer = given.observer;
   work.files.folder = given.workspace.iteration(state->iterations_done);
   Timed("sparse", &work, job, [&] { RunSparse(given, *state, &work, job); });
   RunStereo(given, &work, job);
@@ -285,7 +289,7 @@ IterationResult RunIteration(const IterationContext& given, SessionState* state,
     RunPlanning(context, *state, &work, job);
     result.stop_reason = work.plan.stop_reason;
     result.summary.reachable_covered_ratio = ReachableCoveredRatio(work);
-    result.summary.planned_views = CountPlannedStops(work.path);
+    result.summary.planned_views = CountViews(work.path.waypoints);
     if (*result.summary.reachable_covered_ratio >= context.options->session.target_covered_ratio) {
       result.stop_reason = "covered";
     } else if (result.stop_reason.empty() && result.summary.planned_views == 0) {

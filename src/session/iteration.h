@@ -10,6 +10,7 @@
 #include "colmap_ext/report/summary.h"
 #include "colmap_ext/scene/truth.h"
 #include "colmap_ext/scene/workspace.h"
+#include "colmap_ext/session/session_observer.h"
 #include "colmap_ext/session/session_options.h"
 #include "session/session_state.h"
 
@@ -25,6 +26,7 @@ struct IterationContext {
   const GroundTruth* truth = nullptr;        // null without truth
   // Of the iterations before, in this process; null for none. It saves time and changes nothing.
   StereoMemory* stereo_memory = nullptr;
+  SessionObserver* observer = nullptr;  // told of every stage; null for none
 };
 
 struct IterationResult {

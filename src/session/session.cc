@@ -12,74 +12,20 @@
 #include "colmap_ext/scene/workspace.h"
 #include "colmap_ext/sfm/colmap_program.h"
 #include "colmap_ext/sfm/feature_extraction.h"
+#include "colmap_ext/util/disk_space.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
 #include "colmap_ext/util/stage_timer.h"
+#include "session/disk_need.h"
 #include "session/flown_capture.h"
 #include "session/iteration.h"
-#include "session/session_state.h"
+#include "session/open_session.h"
 #include "session/simulated_site.h"
 
 namespace colmap_ext {
 namespace {
 
 namespace fs = std::filesystem;
-
-// One line that says where the photos come from; a workspace keeps to it.
-std::string SourceOf(const SessionInputs& inputs) {
-  if (!inputs.scene.empty()) return "scene " + inputs.scene;
-  if (!inputs.scene_path.empty()) return "scene file " + fs::absolute(inputs.scene_path).string();
-  return "photos " + fs::absolute(inputs.image_path).lexically_normal().string();
-}
-
-struct Session {
-  SessionInputs inputs;
-  StageOptions options;
-  Workspace workspace;
-  SessionState state;
-  SessionSummary summary;
-};
-
-Session OpenSession(const SessionInputs& inputs, const StageOptions& options) {
-  Session session{inputs, options, Workspace(inputs.workspace_path), {}, {}};
-  RequireWritableFolder(inputs.workspace_path, "workspace");
-  const std::string source = SourceOf(inputs);
-  if (fs::exists(session.workspace.state_json())) {
-    session.state = ReadSessionState(session.workspace.state_json());
-    if (session.state.source != source) {
-      throw UsageError(inputs.workspace_path.string() + ": this workspace is of '" +
-                       session.state.source + "', not of '" + source +
-                       "'; choose another --workspace_path");
-    }
-    session.summary = ReadSummary(session.workspace.summary_json());
-    // A session that was killed between the two files left one entry too many.
-    const auto done = static_cast<std::size_t>(session.state.iterations_done);
-    if (session.summary.iterations.size() < done) {
-      throw Error(session.workspace.summary_json().string() + ": lacks iterations that " +
-                  session.workspace.state_json().string() + " says are done");
-    }
-    session.summary.iterations.resize(done);
-  }
-  session.state.source = source;
-  return session;
-}
-
-// A session that ended by a limit or at its target goes on when that was raised since.
-bool IsFinished(const Session& session) {
-  const std::string& finished = session.state.finished;
-  const SessionOptions& limits = session.options.session;
-  if (finished == "iteration_limit") return session.state.iterations_done >= limits.max_iterations;
-  if (finished == "view_limit") {
-    const IterationSummary& last = session.summary.iterations.back();
-    return last.photos + last.planned_views > limits.max_photos;
-  }
-  if (finished == "covered") {
-    const IterationSummary& last = session.summary.iterations.back();
-    return last.planned_views == 0 ||
-           last.reachable_covered_ratio.value_or(1.0) >= limits.target_covered_ratio;
-  }
-  return !finished.empty();
-}
 
 // Why the session ends after the last iteration; empty when it goes on.
 std::string ReasonToFinish(const Session& session, const std::string& stop_reason) {
@@ -93,17 +39,41 @@ std::string ReasonToFinish(const Session& session, const std::string& stop_reaso
   return "";
 }
 
+// What a session tells, and to whom.
+struct Listeners {
+  const JobControl& job;
+  SessionObserver* observer;  // may be null
+};
+
+void AnnounceResult(const IterationSummary& summary, const JobControl& job) {
+  char line[160];
+  std::snprintf(line, sizeof line,
+                "  %d of %d photos registered, %.1f %% covered, %d views planned",
+                summary.registered, summary.photos, 100.0 * summary.covered_ratio.value_or(0.0),
+                summary.planned_views);
+  job.Info(line);
+}
+
 // The results of an iteration count from the moment the state is replaced: until then a killed
-// session repeats it.
-void FinishIteration(const IterationResult& result, Session* session, const JobControl& job) {
+// session repeats it. `seen`: as the iteration found its inputs.
+void FinishIteration(const IterationResult& result, SeenInputs seen, const Listeners& listeners,
+                     Session* session) {
+  const int iteration = session->state.iterations_done;
   session->summary.iterations.push_back(result.summary);
   ++session->state.iterations_done;
   session->state.finished = ReasonToFinish(*session, result.stop_reason);
   session->summary.finished = session->state.finished;
+  seen.database = LookAtInputs(*session).database;
   WriteSummary(session->summary, session->workspace.summary_json());
+  WriteSeenInputs(seen, SeenPath(session->workspace));
   WriteSessionState(session->state, session->workspace.state_json());
   WriteSessionPage(session->workspace, session->workspace.report(), session->inputs.image_path,
-                   session->options.page, job);
+                   session->options.page, listeners.job);
+  AnnounceResult(result.summary, listeners.job);
+  if (listeners.observer != nullptr) {
+    listeners.observer->OnIteration({iteration, session->workspace.iteration(iteration),
+                                     session->summary.iterations.back(), session->state.finished});
+  }
 }
 
 void RemoveUnfinishedIteration(const Session& session) {
@@ -115,32 +85,41 @@ void RemoveUnfinishedIteration(const Session& session) {
   }
 }
 
+int PhotosBefore(const Session& session) {
+  return session.summary.iterations.empty() ? 0 : session.summary.iterations.back().photos;
+}
+
+// Removes what an interrupted run left and makes the iteration's folder, which shows from now on
+// that the iteration began. Throws Error when the disk has no room for it.
+void BeginIteration(const Session& session, int new_photos, const JobControl& job) {
+  RemoveUnfinishedIteration(session);
+  const DiskNeed need =
+      EstimateDiskNeed(session.options, session.inputs.IsSimulation(), PhotosBefore(session),
+                       new_photos, session.state.iterations_done);
+  const std::uint64_t free_bytes = FreeDiskBytes(session.workspace.root());
+  if (const std::string complaint = DiskComplaint(need, free_bytes, session.workspace.root());
+      !complaint.empty()) {
+    throw Error(complaint);
+  }
+  if (const std::string warning = DiskWarning(need, free_bytes, session.workspace.root());
+      !warning.empty()) {
+    job.Warn(warning);
+  }
+  fs::create_directories(session.workspace.iteration(session.state.iterations_done));
+}
+
 void AnnounceIteration(const Session& session, const JobControl& job) {
   job.Info("Iteration " + std::to_string(session.state.iterations_done + 1));
 }
 
-void AnnounceResult(const IterationResult& result, const JobControl& job) {
-  const IterationSummary& summary = result.summary;
-  char line[160];
-  std::snprintf(line, sizeof line,
-                "  %d of %d photos registered, %.1f %% covered, %d views planned",
-                summary.registered, summary.photos, 100.0 * summary.covered_ratio.value_or(0.0),
-                summary.planned_views);
-  job.Info(line);
-}
-
-// The path to fly in the present iteration. Later ones are read back from disk, so that a session
-// that was stopped sees the same numbers as one that ran through.
+// The path to fly in the present iteration.
 std::vector<Waypoint> NextFlight(const SimulatedSite& site, Session* session) {
+  const std::vector<Waypoint> waypoints =
+      FlightOfIteration(*session, site.Surroundings()).waypoints;
   if (session->state.iterations_done == 0) {
-    const std::vector<PlannedView> views =
-        InitialRectangle(site.Surroundings(), session->options.initial_flight);
-    session->state.next_view_id = static_cast<int>(views.size());
-    return PathInOrder(views, session->options.path.speed_m_s, session->options.path.hover_s)
-        .waypoints;
+    session->state.next_view_id = CountViews(waypoints);
   }
-  const IterationFiles before{session->workspace.iteration(session->state.iterations_done - 1)};
-  return ReadPath(before.path_json()).waypoints;
+  return waypoints;
 }
 
 // Null for photos without a flight.
@@ -196,7 +175,8 @@ void FlyAndPrepare(const std::vector<Waypoint>& waypoints, const IterationContex
       job);
 }
 
-SessionSummary RunSimulation(Session session, const JobControl& job) {
+SessionSummary RunSimulation(Session session, const Listeners& listeners) {
+  const JobControl& job = listeners.job;
   if (IsFinished(session)) {
     job.Info("This session is finished (" + session.state.finished + ").");
     return session.summary;
@@ -210,25 +190,29 @@ SessionSummary RunSimulation(Session session, const JobControl& job) {
   const std::unique_ptr<FlownCapture> vehicle = MakeVehicle(session, site, job);
   while (session.state.finished.empty()) {
     AnnounceIteration(session, job);
-    RemoveUnfinishedIteration(session);
     IterationContext context{workspace, &session.options, {}, {}, {}, nullptr};
     context.sparse = SimulatedInput(site, session);
+    context.observer = listeners.observer;
     const StageTimer timer;
     const std::vector<Waypoint> waypoints = NextFlight(site, &session);
+    BeginIteration(session, CountViews(waypoints), job);
     if (vehicle) {
       FlyAndPrepare(waypoints, context, session, vehicle.get(), job);
     } else {
       site.Capture(waypoints, workspace, job);
     }
     const StageCost capture = timer.Stop();
+    if (context.observer != nullptr) {
+      context.observer->OnStage(session.state.iterations_done, "capture", capture);
+    }
+    const SeenInputs seen = LookAtInputs(session);
     context.true_poses_path = SimulatedSite::TruePosesPath(workspace);
     context.truth = &site.truth();
     context.stereo_memory = &stereo_memory;
     IterationResult result = RunIteration(context, &session.state, job);
     result.summary.stage_wall_s["capture"] = capture.wall_s;
     result.summary.wall_s += capture.wall_s;
-    FinishIteration(result, &session, job);
-    AnnounceResult(result, job);
+    FinishIteration(result, seen, listeners, &session);
   }
   if (vehicle) vehicle->Finish(job);
   return session.summary;
@@ -245,14 +229,10 @@ void ImportProject(const Session& session) {
   CommitTemporaryFile(temporary, session.workspace.database());
 }
 
-bool HasNewPhotos(const Session& session) {
-  return session.summary.iterations.empty() ||
-         static_cast<int>(ListPhotos(session.inputs.image_path).size()) >
-             session.summary.iterations.back().photos;
-}
-
-SessionSummary RunOnPhotos(Session session, const JobControl& job) {
-  if (ListPhotos(session.inputs.image_path).empty()) {
+SessionSummary RunOnPhotos(Session session, const Listeners& listeners) {
+  const JobControl& job = listeners.job;
+  const auto photos = static_cast<int>(ListPhotos(session.inputs.image_path).size());
+  if (photos == 0) {
     throw Error(session.inputs.image_path.string() +
                 ": no photo in this folder (.jpg, .png or .tif)");
   }
@@ -261,9 +241,11 @@ SessionSummary RunOnPhotos(Session session, const JobControl& job) {
     return session.summary;
   }
   AnnounceIteration(session, job);
-  RemoveUnfinishedIteration(session);
+  BeginIteration(session, std::max(0, photos - PhotosBefore(session)), job);
   ImportProject(session);
+  const SeenInputs seen = LookAtInputs(session);
   IterationContext context{session.workspace, &session.options, {}, {}, {}, nullptr};
+  context.observer = listeners.observer;
   context.sparse.colmap_path = session.inputs.colmap_path;
   context.sparse.image_path = session.inputs.image_path;
   context.initial_model_path = session.inputs.sparse_path;
@@ -274,8 +256,7 @@ SessionSummary RunOnPhotos(Session session, const JobControl& job) {
     context.sparse.local_position_of_photo = ReadPosePriorFile(session.inputs.pose_prior_path);
   }
   const IterationResult result = RunIteration(context, &session.state, job);
-  FinishIteration(result, &session, job);
-  AnnounceResult(result, job);
+  FinishIteration(result, seen, listeners, &session);
   if (!result.planning_refusal.empty()) {
     throw Error("coverage is written, but no flight was planned: " + result.planning_refusal);
   }
@@ -305,14 +286,19 @@ void SessionInputs::Check() const {
 }
 
 SessionSummary RunSession(const SessionInputs& inputs, const StageOptions& options,
-                          const JobControl& job) {
+                          const JobControl& job, SessionObserver* observer) {
   inputs.Check();
   ThrowIfInvalid(options.Check());
   const ColmapProgram colmap(inputs.colmap_path);  // complains before any work is done
   job.Debug("colmap: " + colmap.path().string());
+  RequireWritableFolder(inputs.workspace_path, "workspace");
   Session session = OpenSession(inputs, options);
-  return inputs.IsSimulation() ? RunSimulation(std::move(session), job)
-                               : RunOnPhotos(std::move(session), job);
+  const InputChanges changes = ChangesSinceLastIteration(session);
+  for (const std::string& warning : changes.warnings) job.Warn(warning);
+  for (const std::string& note : changes.notes) job.Info(note);
+  const Listeners listeners{job, observer};
+  return inputs.IsSimulation() ? RunSimulation(std::move(session), listeners)
+                               : RunOnPhotos(std::move(session), listeners);
 }
 
 }  // namespace colmap_ext

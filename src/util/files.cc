@@ -27,6 +27,16 @@ void SyncFile(const fs::path& path) {
   if (result != 0) throw Error(path.string() + ": cannot be written to disk: " + reason);
 }
 
+// The new name is on the disk only when its folder is. Some file systems cannot sync a folder; they
+// keep the order of renames themselves.
+void SyncFolderOf(const fs::path& path) {
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  fsync(descriptor);
+  close(descriptor);
+}
+
 void RemoveQuietly(const fs::path& path) {
   std::error_code ignored;
   fs::remove(path, ignored);
@@ -53,6 +63,7 @@ void CommitTemporaryFile(const fs::path& temporary, const fs::path& path) {
     std::error_code error;
     fs::rename(temporary, path, error);
     if (error) throw Error(path.string() + ": cannot be replaced: " + error.message());
+    SyncFolderOf(path);
   } catch (const Error&) {
     RemoveQuietly(temporary);
     throw;

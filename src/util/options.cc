@@ -166,6 +166,21 @@ struct OptionSet::Impl {
     return list.dump(2) + "\n";
   }
 
+  // A yes-or-no option may stand alone: `--status` for `--status 1`.
+  std::vector<std::string> WithFlagValues(const std::vector<std::string>& arguments) {
+    std::vector<std::string> complete;
+    for (std::size_t i = 0; i < arguments.size(); ++i) {
+      complete.push_back(arguments[i]);
+      if (!arguments[i].starts_with("--")) continue;
+      const Option* option = Find(arguments[i].substr(2));
+      const bool is_alone = i + 1 == arguments.size() || arguments[i + 1].starts_with("-");
+      if (option != nullptr && option->type == TypeName<bool>() && is_alone) {
+        complete.emplace_back("1");
+      }
+    }
+    return complete;
+  }
+
   void Set(Option& option, const std::string& text, const std::string& where) {
     try {
       option.assign(text);
@@ -199,8 +214,9 @@ template void OptionSet::Add(const std::string&, const std::string&, fs::path*, 
 template void OptionSet::Add(const std::string&, const std::string&, std::uint64_t*,
                              const std::string&);
 
-void OptionSet::Parse(const std::vector<std::string>& arguments) {
+void OptionSet::Parse(const std::vector<std::string>& given_arguments) {
   namespace style = po::command_line_style;
+  const std::vector<std::string> arguments = impl_->WithFlagValues(given_arguments);
   fs::path project_path;
   try {
     const po::options_description description = impl_->Description();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "colmap_ext/report/summary.h"
+#include "colmap_ext/session/session_observer.h"
 #include "colmap_ext/session/session_options.h"
 #include "colmap_ext/util/job_control.h"
 
@@ -45,7 +46,11 @@ struct SessionInputs {
 //
 // Throws Error when a stage cannot do its work, or, after coverage was written, when no flight can
 // be planned because the world is not metric.
+//
+// What changed since the last iteration (photos gone or replaced, the database, options) is said in
+// messages; too little room on the disk for the next iteration is an Error. The caller holds the
+// workspace's SessionLock. `observer` may be null.
 SessionSummary RunSession(const SessionInputs& inputs, const StageOptions& options,
-                          const JobControl& job);
+                          const JobControl& job, SessionObserver* observer = nullptr);
 
 }  // namespace colmap_ext

@@ -29,7 +29,13 @@ class SessionCommands : public ProgramTest {
                                           "--Session.pictures",
                                           "0",
                                           "--Session.max_iterations",
-                                          "1"};
+                                          "1",
+                                          "--SparseUpdate.max_num_features",
+                                          "1500",
+                                          "--Renderer.samples_per_pixel",
+                                          "1",
+                                          "--ModelEvaluator.sample_spacing_m",
+                                          "0.05"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
   }

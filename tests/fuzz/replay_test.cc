@@ -16,8 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr int kMutations = 100000;
-
 class Fuzz : public testing::TestWithParam<FuzzTarget> {
  protected:
   static std::vector<Bytes> Corpus() {
@@ -76,7 +74,7 @@ TEST_P(Fuzz, CorpusAndMutationsBreakNoPromise) {
   for (const Bytes& bytes : corpus) ASSERT_NO_THROW(GetParam().run(bytes));
   ASSERT_NO_THROW(GetParam().run({}));
   std::mt19937_64 random(1);
-  for (int i = 0; i < kMutations; ++i) {
+  for (int i = 0; i < GetParam().mutations; ++i) {
     Bytes bytes = corpus[random() % corpus.size()];
     Mutate(&random, corpus, &bytes);
     ASSERT_NO_THROW(GetParam().run(bytes)) << "mutation " << i;

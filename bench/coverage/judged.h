@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "colmap_ext/coverage/coverage.h"
-#include "site.h"
+#include "support/flown_site.h"
 
 namespace colmap_ext {
 

@@ -12,8 +12,8 @@
 #include "judged.h"
 #include "measures.h"
 #include "pictures.h"
-#include "site.h"
 #include "support/bench_report.h"
+#include "support/flown_site.h"
 #include "timing.h"
 
 namespace colmap_ext {
@@ -22,6 +22,7 @@ namespace {
 constexpr double kNoPairMm = 1e6;
 
 struct BenchOptions {
+  std::filesystem::path work_path = "bench_coverage_work";
   SiteOptions site;
   CoverageOptions coverage;
   std::filesystem::path results = "bench/results";
@@ -108,7 +109,8 @@ void RunScene(const std::string& scene, const BenchOptions& options, const JobCo
   Columns of_scene;
   FlightModels models;
   for (const std::string& quality : SplitAtCommas(options.flights)) {
-    models = MakeFlightModels(site, quality, options.site, job);
+    models = MakeFlightModels(site, FlightOf(quality, site.model, site.is_indoor()),
+                              options.work_path / scene / quality, options.site, job);
     JudgedFlight judged = Judge(site, models, options.coverage, job);
     const std::string name = scene + ", " + quality;
     Columns of_flight;
@@ -165,7 +167,7 @@ void Calibrate(const std::vector<std::string>& scenes,
 }
 
 void AddOptions(BenchOptions* options, OptionSet* set) {
-  set->Add("", "work_path", &options->site.work_path, "folder for photos and models, made once");
+  set->Add("", "work_path", &options->work_path, "folder for photos and models, made once");
   set->Add("", "texel_scale", &options->site.texel_scale, "above 1: coarser, quicker textures");
   set->Add("", "dense_width", &options->site.dense_width_px, "of the dense model's photos, px");
   set->Add("", "true_poses", &options->site.true_poses, "1: true poses; 0: of sparse_updater");

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "colmap_ext/coverage/coverage.h"
-#include "site.h"
 #include "support/bench_report.h"
+#include "support/flown_site.h"
 
 namespace colmap_ext {
 

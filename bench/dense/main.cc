@@ -18,6 +18,7 @@
 #include "colmap_ext/util/text.h"
 #include "support/bench_program.h"
 #include "support/bench_report.h"
+#include "support/evaluated_model.h"
 #include "survey.h"
 
 namespace colmap_ext {
@@ -34,33 +35,13 @@ struct BenchOptions {
   bool kill_test = true;
 };
 
-struct Measured {
-  EvaluationResult result;
-  TriangleMesh aligned;
-};
-
-// A model with true poses is compared as it is; else by cameras, then ICP, as the paper does.
-Measured Evaluate(const fs::path& mesh, const fs::path& sparse, bool true_poses,
-                  const BenchSurvey& survey, const JobControl& job) {
-  const EvaluationOptions options;
-  const Reconstruction model = ReadReconstruction(sparse);
-  TriangleMesh reconstructed = ReadMesh(mesh);
-  Sim3d truth_from_model;
-  if (!true_poses) {
-    const auto pairs = PairCameras(model, PoseOfPhoto(ReadTruePoses(survey.true_poses)));
-    truth_from_model =
-        AlignModel(reconstructed, survey.truth, pairs, options, job).truth_from_model;
-  }
-  Measured measured;
-  measured.aligned = TransformMesh(truth_from_model, reconstructed);
-  measured.result = EvaluateModel(measured.aligned, survey.truth, options, job);
-  SplitBySeen(CountViews(measured.result.truth_samples, survey.truth, model, truth_from_model, job),
-              options, &measured.result);
-  return measured;
+EvaluatedModel Evaluate(const fs::path& mesh, const fs::path& sparse, bool true_poses,
+                        const BenchSurvey& survey, const JobControl& job) {
+  return EvaluateAgainst(survey.truth, mesh, sparse, survey.true_poses, !true_poses, job);
 }
 
 // The model, and the truth coloured by its distance to the model (yellow: 100 mm and more).
-void Paint(const Measured& measured, const fs::path& mesh, const BenchSurvey& survey,
+void Paint(const EvaluatedModel& measured, const fs::path& mesh, const BenchSurvey& survey,
            const fs::path& path_stem) {
   const ColoredMesh colored = ReadColoredMesh(mesh);
   const TriangleMesh& model = measured.aligned;
@@ -96,7 +77,7 @@ std::vector<std::string> DenseArguments(const BenchSurvey& survey, const fs::pat
 }
 
 // Adds the rows of one model and returns its mean error over what two photos saw.
-double AddErrors(const std::string& name, const Measured& measured, bool has_goals,
+double AddErrors(const std::string& name, const EvaluatedModel& measured, bool has_goals,
                  BenchReport* report) {
   const ErrorSummary& seen = *measured.result.seen;
   report->Add(name + ": mean error, seen by two photos", 1000 * seen.mean_m, "mm");
@@ -118,7 +99,7 @@ void RunModels(const BenchOptions& options, const BenchSurvey& survey, const std
   const fs::path folder = options.work / (poses + "_poses");
   const FastModel fast = MakeFastModel(survey, sparse, folder / "fast", job);
   const std::string label = poses + " poses, ";
-  const Measured measured_fast = Evaluate(fast.mesh, sparse, true_poses, survey, job);
+  const EvaluatedModel measured_fast = Evaluate(fast.mesh, sparse, true_poses, survey, job);
   const double fast_error = AddErrors(label + "fast model", measured_fast, false, report);
   report->Add(label + "fast model: CPU", fast.cpu_s, "CPU s");
   Paint(measured_fast, fast.mesh, survey, options.work / (poses + "_fast"));
@@ -127,7 +108,8 @@ void RunModels(const BenchOptions& options, const BenchSurvey& survey, const std
     fs::remove_all(output);
     const ChildProcessResult run = RunColmapExt(DenseArguments(survey, sparse, fast, width, output),
                                                 folder / ("dense_" + width + ".log"), job);
-    const Measured measured = Evaluate(output / "surface.ply", sparse, true_poses, survey, job);
+    const EvaluatedModel measured =
+        Evaluate(output / "surface.ply", sparse, true_poses, survey, job);
     const std::string name = label + "builtin, width " + width;
     const double error = AddErrors(name, measured, width == "1920", report);
     report->Add(name + ": mean error by the fast model's", error / fast_error, "ratio",

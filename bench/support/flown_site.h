@@ -1,17 +1,19 @@
 // Photos, sparse, fast and dense model of a flight over a simulated scene: made once, and kept.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "colmap_ext/geom/mesh.h"
+#include "colmap_ext/scene/view_plan.h"
 #include "colmap_ext/util/job_control.h"
 
 namespace colmap_ext {
 
 struct SiteOptions {
-  std::filesystem::path work_path = "bench_coverage_work";
+  std::uint64_t scene_seed = 1;
   double texel_scale = 2;    // 2.8 cm on the church, a pixel being 3 cm and more
   int dense_width_px = 640;  // of the photos for the dense model; coverage sees them 640 wide
   bool true_poses = true;    // else those of structure from motion
@@ -33,13 +35,15 @@ struct FlightModels {
   std::filesystem::path fused;   // the fast model's cloud
   std::filesystem::path surface;
   std::filesystem::path dense_surface;
-  int num_views = 0;  // planned
+  std::filesystem::path true_poses;  // of the photos
+  int num_views = 0;                 // planned
 };
 
 // Runs scene_renderer, sparse_updater, superpixel_stereo, surface_reconstructor and
-// dense_reconstructor below options.work_path/<scene>/<quality>, each unless its result is there.
-FlightModels MakeFlightModels(const Site& site, const std::string& quality,
-                              const SiteOptions& options, const JobControl& job);
+// dense_reconstructor on photos of these views in `folder`, each unless its result is there.
+FlightModels MakeFlightModels(const Site& site, const std::vector<PlannedView>& views,
+                              const std::filesystem::path& folder, const SiteOptions& options,
+                              const JobControl& job);
 
 // "x_min,…,z_max" as --RegionOfInterest.box takes it.
 std::string BoxText(const BoundingBox& box);

@@ -1,16 +1,15 @@
-#include "site.h"
+#include "flown_site.h"
 
 #include <Eigen/Geometry>
 #include <cstdio>
 
+#include "bench_program.h"
 #include "colmap_ext/scene/reconstruction_io.h"
 #include "colmap_ext/scene/true_poses.h"
 #include "colmap_ext/sim/simulated_camera.h"
 #include "colmap_ext/sim/textured_scene.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
-#include "flights.h"
-#include "support/bench_program.h"
 
 namespace colmap_ext {
 namespace {
@@ -18,8 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 
 using Arguments = std::vector<std::string>;
-
-constexpr std::uint64_t kSceneSeed = 1;
 
 std::string Number(double value) {
   char text[40];
@@ -61,7 +58,7 @@ void RenderPhotos(const Site& site, const fs::path& folder, const SiteOptions& o
     const fs::path output = folder / (full ? "full" : "low");
     RunUnlessThere(
         output / "true_poses.txt",
-        {"scene_renderer", "--scene", site.name, "--scene_seed", std::to_string(kSceneSeed),
+        {"scene_renderer", "--scene", site.name, "--scene_seed", std::to_string(options.scene_seed),
          "--texel_scale", Number(options.texel_scale), "--pose_list_path",
          (folder / "views.txt").string(), "--output_path", output.string(), "--full_resolution",
          full ? "1" : "0", "--Simulation.full_width", std::to_string(options.dense_width_px),
@@ -98,7 +95,7 @@ std::string BoxText(const BoundingBox& box) {
 }
 
 Site MakeSite(const std::string& scene, const SiteOptions& options) {
-  const TexturedScene textured = MakeScene(scene, kSceneSeed, options.texel_scale);
+  const TexturedScene textured = MakeScene(scene, options.scene_seed, options.texel_scale);
   Site site;
   site.name = scene;
   site.truth = textured.mesh;
@@ -109,17 +106,19 @@ Site MakeSite(const std::string& scene, const SiteOptions& options) {
   return site;
 }
 
-FlightModels MakeFlightModels(const Site& site, const std::string& quality,
-                              const SiteOptions& options, const JobControl& job) {
-  const fs::path folder = options.work_path / site.name / quality;
-  const std::vector<PlannedView> views = FlightOf(quality, site.model, site.is_indoor());
+FlightModels MakeFlightModels(const Site& site, const std::vector<PlannedView>& views,
+                              const fs::path& folder, const SiteOptions& options,
+                              const JobControl& job) {
   WritePoseList(views, folder / "views.txt");
   RenderPhotos(site, folder, options, job);
   MapPhotos(folder, job);
   const std::string poses = options.true_poses ? "true" : "sfm";
   const fs::path models = folder / (poses + "_poses");
-  FlightModels result{models / "sparse", models / "fused.ply", models / "surface.ply",
+  FlightModels result{models / "sparse",
+                      models / "fused.ply",
+                      models / "surface.ply",
                       models / ("dense_" + std::to_string(options.dense_width_px)) / "surface.ply",
+                      folder / "low" / "true_poses.txt",
                       static_cast<int>(views.size())};
   if (!fs::exists(result.sparse)) {
     const auto pose_of = PoseOfPhoto(ReadTruePoses(folder / "low" / "true_poses.txt"));

@@ -90,6 +90,9 @@ ProgramLog::Json WriteResults(const Surface& surface, const CoverageMap& map,
                 100 * map.CoveredRatio(), map.Count(CoverageClass::kCovered),
                 map.Count(CoverageClass::kUncovered), map.Count(CoverageClass::kIgnored));
   job.Info(std::string(text) + ": " + files.ply.string());
+  if (map.Count(CoverageClass::kCovered) + map.Count(CoverageClass::kUncovered) == 0) {
+    job.Warn("nothing of the surface lies in the region of interest: nothing was judged");
+  }
   return {{"covered_ratio", map.CoveredRatio()},
           {"covered", map.Count(CoverageClass::kCovered)},
           {"uncovered", map.Count(CoverageClass::kUncovered)},
@@ -116,7 +119,7 @@ ProgramLog::Json RunInWorkspace(const Workspace& workspace, const Options& optio
 ProgramLog::Json RunOnFiles(const Paths& paths, const Options& options, const JobControl& job) {
   RequireFolder(paths.input, "sparse model");
   const PhotoSet photos = LoadPosesOnly(paths.input, options.max_width_px);
-  const WorldFrame frame = FrameOrMetric(paths.input / ".." / "frame.json");
+  const WorldFrame frame = FrameOfModel(paths.input);
   const RegionOfInterest region = DefaultRegion(photos, frame, options.region);
   const Surface surface = ReadSurfaceMeshOrCloud(paths.mesh, photos, region, options, job);
   RequireWritableFolder(paths.output, "output folder");

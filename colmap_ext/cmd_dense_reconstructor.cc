@@ -1,5 +1,6 @@
 // dense_reconstructor: photos with poses to a dense cloud and a mesh, offline.
 #include <algorithm>
+#include <cstdint>
 #include <iostream>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include "colmap_ext/sfm/colmap_program.h"
 #include "colmap_ext/surface/poisson.h"
 #include "colmap_ext/util/child_process.h"
+#include "colmap_ext/util/disk_space.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
 #include "colmap_ext/util/statistics.h"
@@ -129,6 +131,20 @@ void WriteSurfaceOf(const OrientedPoints& points, const RegionOfInterest& region
            std::to_string(surface.mesh.faces.size()) + " faces: " + path.string());
 }
 
+// Depth, normals, confidence and what a stopped run goes on from, then the fused cloud and its
+// mesh: 20 bytes a pixel are the maps.
+void RequireRoom(const PhotoSource& photos, const fs::path& output) {
+  constexpr double kBytesPerPixel = 40;
+  double bytes = 0;
+  for (const PosedPhoto& photo : photos.photo_set().photos) {
+    bytes += kBytesPerPixel * photo.camera.width * photo.camera.height;
+  }
+  const std::uint64_t free_bytes = FreeDiskBytes(output) + FolderBytes(output);
+  const std::string complaint =
+      DiskSpaceComplaint(output, "the dense model", static_cast<std::uint64_t>(bytes), free_bytes);
+  if (!complaint.empty()) throw Error(complaint);
+}
+
 }  // namespace
 
 int RunDenseReconstructor(const Arguments& arguments, Program& program) {
@@ -160,7 +176,8 @@ int RunDenseReconstructor(const Arguments& arguments, Program& program) {
              std::to_string(fit.final_rms_px) + " px RMS");
   }
   const PhotoSource photos(model, o.images, o.stereo.max_width_px);
-  const WorldFrame frame = FrameOrMetric(o.input.parent_path() / "frame.json");
+  RequireRoom(photos, o.output);
+  const WorldFrame frame = FrameOfModel(o.input);
   const RegionOfInterest region = DefaultRegion(photos.photo_set(), frame, o.region);
   job.Info("back end " + back_end.Name() + ", " + std::to_string(photos.photo_set().photos.size()) +
            " photos");

@@ -15,7 +15,7 @@ PlanningInputs ReadPlanningInputs(const std::filesystem::path& sparse_path,
   RequireFolder(sparse_path, "sparse model");
   RequireFile(mesh_path, "surface");
   PlanningInputs inputs;
-  inputs.frame = FrameOrMetric(sparse_path / ".." / "frame.json");
+  inputs.frame = FrameOfModel(sparse_path);
   RequireMetric(inputs.frame);
   inputs.surface = ReadMesh(mesh_path);
   inputs.photos =

@@ -74,6 +74,11 @@ WorldFrame FrameOrMetric(const fs::path& frame_json) {
   return fs::exists(frame_json) ? ReadWorldFrame(frame_json) : WorldFrame{true, std::nullopt};
 }
 
+WorldFrame FrameOfModel(const fs::path& sparse_path) {
+  const fs::path within = sparse_path / "frame.json";
+  return FrameOrMetric(fs::exists(within) ? within : sparse_path / ".." / "frame.json");
+}
+
 void RecordStageCost(const fs::path& timing_json, const std::string& stage, const StageCost& cost) {
   Json json = fs::exists(timing_json) ? ReadJsonFile(timing_json) : Json::object();
   json[stage] = {{"wall_s", cost.wall_s}, {"cpu_s", cost.cpu_s}, {"peak_mib", cost.peak_mib}};

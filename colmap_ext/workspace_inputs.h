@@ -45,6 +45,10 @@ RegionOfInterest RegionOfWorkspace(const Workspace& workspace, const RegionOptio
 // frame.json of an iteration; without one the model is taken to be metric, z up.
 WorldFrame FrameOrMetric(const std::filesystem::path& frame_json);
 
+// The frame of a sparse model: frame.json in its folder (sparse_updater) or beside it (a session's
+// iteration), else metric as above.
+WorldFrame FrameOfModel(const std::filesystem::path& sparse_path);
+
 // Sets the entry of one stage in timing.json and keeps the others.
 void RecordStageCost(const std::filesystem::path& timing_json, const std::string& stage,
                      const StageCost& cost);

@@ -94,6 +94,12 @@ def mission_for(drone):
     }
 
 
+def is_ready(status):
+    vehicle = status["vehicle"]
+    known = status["state"] not in ("DISCONNECTED", "CONNECTED")
+    return known and "home" in vehicle and vehicle.get("estimate_good", False)
+
+
 def all_stored(status):
     return status if all(view["status"] == "stored" for view in status["views"]) else None
 
@@ -117,7 +123,7 @@ def fly(work, programs):
          f"http://127.0.0.1:{drone['http_port']}/pictures/{{resolution}}/img_{{index5}}.jpg"]))
     wait_until("the daemon", (workspace / "flightd.json").exists)
     daemon = Daemon(workspace)
-    wait_until("the vehicle", lambda: daemon.call("GET", "status")["vehicle"].get("estimate_good"))
+    wait_until("the vehicle", lambda: is_ready(daemon.call("GET", "status")))
 
     daemon.call("POST", "mission", mission_for(drone))
     daemon.call("POST", "start")

@@ -7,11 +7,11 @@ set -euo pipefail
 work="${1:-$(mktemp -d)}"
 mkdir -p "$work"
 
-# 1. 12 photos on a quarter of a circle around the houses, and the scene itself as a mesh.
+# 1. 8 photos on a sixth of a circle around the houses, and the scene itself as a mesh.
 python3 - >"$work/poses.txt" <<'PY'
 import math
-for i in range(12):
-    angle = math.radians(135 + 90 * i / 11)
+for i in range(8):
+    angle = math.radians(150 + 60 * i / 7)
     x, y = 2.6 * math.sin(angle), 2.6 * math.cos(angle)
     print(f"arc_{i:02d}.jpg {x:.3f} {y:.3f} 2.1 {math.degrees(angle) + 180:.3f} -32")
 PY
@@ -22,7 +22,8 @@ colmap_ext scene_renderer --scene boxes --texel_scale 2 --Renderer.samples_per_p
 colmap_ext sparse_updater --image_path "$work/render/images" --output_path "$work/sparse" \
   --SparseUpdate.max_num_features 2000 --log_level warning
 colmap_ext dense_reconstructor --input_path "$work/sparse" --image_path "$work/render/images" \
-  --output_path "$work/dense" --backend builtin --log_level warning
+  --output_path "$work/dense" --backend builtin --DenseStereo.num_partners 4 --SurfaceReconstructor.depth 8 \
+  --log_level warning
 
 # 3. Its depth maps against the true ones.
 colmap_ext model_evaluator --depth_path "$work/dense/stereo/depth_maps" \

@@ -21,5 +21,5 @@ files = [path for path in page.rglob("*") if path.is_file()]
 size = sum(path.stat().st_size for path in files)
 print(f"{len(files)} files, {size / 1e6:.1f} MB: open {page / 'index.html'}")
 outside = [word for word in ("src=\"http", "href=\"http") if word in text]
-sys.exit(0 if len(files) > 24 and not outside else f"not as expected: {len(files)} files, {outside}")
+sys.exit(0 if len(files) > 4 and size > 1e6 and not outside else f"not as expected: {len(files)} files, {outside}")
 PY

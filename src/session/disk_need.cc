@@ -50,10 +50,6 @@ double IterationBytes(const StageOptions& options, bool is_simulation, int photo
   return kIterationBytes + kReportBytes + per_photo * DenseScale(options, is_simulation) * photos;
 }
 
-std::string Needs(std::uint64_t bytes, std::uint64_t free_bytes) {
-  return "needs about " + BytesText(bytes) + ", " + BytesText(free_bytes) + " are free";
-}
-
 }  // namespace
 
 DiskNeed EstimateDiskNeed(const StageOptions& options, bool is_simulation, int photos,
@@ -75,17 +71,15 @@ DiskNeed EstimateDiskNeed(const StageOptions& options, bool is_simulation, int p
 
 std::string DiskComplaint(const DiskNeed& need, std::uint64_t free_bytes,
                           const std::filesystem::path& workspace) {
-  if (free_bytes >= need.next_bytes) return "";
-  return workspace.string() + ": not enough room on this disk: the next iteration " +
-         Needs(need.next_bytes, free_bytes) +
-         "; make room, or choose a --workspace_path on another disk";
+  return DiskSpaceComplaint(workspace, "the next iteration", need.next_bytes, free_bytes);
 }
 
 std::string DiskWarning(const DiskNeed& need, std::uint64_t free_bytes,
                         const std::filesystem::path& workspace) {
   if (free_bytes >= need.session_bytes) return "";
-  return workspace.string() + ": the disk may become full: a session up to its limits " +
-         Needs(need.session_bytes, free_bytes);
+  return workspace.string() +
+         ": the disk may become full: a session up to its limits needs about " +
+         BytesText(need.session_bytes) + ", " + BytesText(free_bytes) + " are free";
 }
 
 }  // namespace colmap_ext

@@ -23,6 +23,24 @@ std::uint64_t FreeDiskBytes(const std::filesystem::path& path) {
   return std::uint64_t{info.f_bavail} * info.f_frsize;
 }
 
+std::string DiskSpaceComplaint(const std::filesystem::path& folder, const std::string& what,
+                               std::uint64_t need_bytes, std::uint64_t free_bytes) {
+  if (free_bytes >= need_bytes) return "";
+  return folder.string() + ": not enough room on this disk: " + what + " needs about " +
+         BytesText(need_bytes) + ", " + BytesText(free_bytes) +
+         " are free; make room, or choose a folder on another disk";
+}
+
+std::uint64_t FolderBytes(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::uint64_t bytes = 0;
+  for (std::filesystem::recursive_directory_iterator it(folder, error), end; !error && it != end;
+       it.increment(error)) {
+    if (it->is_regular_file(error)) bytes += it->file_size(error);
+  }
+  return bytes;
+}
+
 std::string BytesText(std::uint64_t bytes) {
   const auto value = static_cast<double>(bytes);
   if (value < 999.5e3) return FormatNumber("%.0f kB", value / 1e3);

@@ -47,7 +47,7 @@ TEST(DiskNeed, OneLineThatSaysWhatToDo) {
   const std::string complaint = DiskComplaint(need, 49'999'999, "w");
   EXPECT_NE(complaint.find("w: not enough room"), std::string::npos) << complaint;
   EXPECT_NE(complaint.find("needs about 50 MB, 50 MB are free"), std::string::npos) << complaint;
-  EXPECT_NE(complaint.find("--workspace_path"), std::string::npos) << complaint;
+  EXPECT_NE(complaint.find("make room"), std::string::npos) << complaint;
   EXPECT_EQ(DiskWarning(need, 2'000'000'000, "w"), "");
   EXPECT_NE(DiskWarning(need, 1'900'000'000, "w").find("2.0 GB, 1.9 GB"), std::string::npos);
 }

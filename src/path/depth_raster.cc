@@ -25,8 +25,9 @@ struct Polygon {
 
 // Pixel coordinates and inverse depth.
 Eigen::Vector3d OnScreen(const Eigen::Vector3d& in_cam, const PinholeCamera& camera) {
-  const Eigen::Vector2d pixel = camera.Project(in_cam);
-  return {pixel.x(), pixel.y(), 1 / in_cam.z()};
+  const double inverse_depth = 1 / in_cam.z();
+  return {camera.fx * in_cam.x() * inverse_depth + camera.cx,
+          camera.fy * in_cam.y() * inverse_depth + camera.cy, inverse_depth};
 }
 
 // Part of the triangle (camera frame) with z >= kNear_m.
@@ -154,18 +155,25 @@ DepthRaster::DepthRaster(const FaceClusters& surface, const Rigid3d& cam_from_wo
   const auto in_cam = [&](const Eigen::Vector3d& point) -> Eigen::Vector3d {
     return rotation * point + cam_from_world.translation;
   };
-  // Near ones first, so that they hide the others.
-  std::vector<std::pair<double, const FaceClusters::Cluster*>> by_depth;
+  struct Shown {
+    double nearest_depth;
+    Eigen::Vector3d center;  // camera frame
+    const FaceClusters::Cluster* cluster;
+  };
+  std::vector<Shown> shown;
   for (const FaceClusters::Cluster& cluster : surface.clusters) {
-    const double depth = rotation.row(2).dot(cluster.center) + cam_from_world.translation.z();
-    if (depth + cluster.radius_m < kNear_m) continue;
-    by_depth.emplace_back(depth - cluster.radius_m, &cluster);
+    const Eigen::Vector3d center = in_cam(cluster.center);
+    if (center.z() + cluster.radius_m < kNear_m || IsOutside(center, cluster.radius_m)) continue;
+    shown.push_back({center.z() - cluster.radius_m, center, &cluster});
   }
-  std::sort(by_depth.begin(), by_depth.end());
+  // Near ones first, so that they hide the others.
+  std::stable_sort(shown.begin(), shown.end(), [](const Shown& a, const Shown& b) {
+    return a.nearest_depth < b.nearest_depth;
+  });
   std::vector<float> at_corner(is_confident_.size(), 0.0f);
   std::vector<Vertex> vertices;
-  for (const auto& [nearest_depth, cluster] : by_depth) {
-    if (!MayShow(in_cam(cluster->center), cluster->radius_m, at_corner)) continue;
+  for (const auto& [nearest_depth, center, cluster] : shown) {
+    if (IsHidden(center, cluster->radius_m, at_corner)) continue;
     vertices.clear();
     for (std::uint32_t v = cluster->first_vertex; v < cluster->end_vertex; ++v) {
       const Eigen::Vector3d vertex = in_cam(surface.vertices[v]);
@@ -189,16 +197,24 @@ Eigen::Vector2d DepthRaster::HalfAxes(const Eigen::Vector3d& center_in_cam, doub
           camera_.fy * radius_m * (1 + slope_y) / nearest_depth};
 }
 
-// Whether something in the ball may be in the picture and nearer than all that is drawn there.
-bool DepthRaster::MayShow(const Eigen::Vector3d& center_in_cam, double radius_m,
-                          const std::vector<float>& at_corner) const {
+// Whether the ball is beyond a side of the picture; not known of one around the camera.
+bool DepthRaster::IsOutside(const Eigen::Vector3d& center_in_cam, double radius_m) const {
+  if (center_in_cam.z() - radius_m <= std::max(radius_m, kNear_m)) return false;
+  const Eigen::Vector2d pixel = camera_.Project(center_in_cam);
+  const Eigen::Vector2d half = HalfAxes(center_in_cam, radius_m);
+  return pixel.x() + half.x() < 0 || pixel.y() + half.y() < 0 || pixel.x() - half.x() > kWidth ||
+         pixel.y() - half.y() > kHeight;
+}
+
+// Whether the ball, which is not outside, is behind all that is drawn there.
+bool DepthRaster::IsHidden(const Eigen::Vector3d& center_in_cam, double radius_m,
+                           const std::vector<float>& at_corner) const {
   const double nearest_depth = center_in_cam.z() - radius_m;
-  if (nearest_depth <= std::max(radius_m, kNear_m)) return true;
+  if (nearest_depth <= std::max(radius_m, kNear_m)) return false;
   const Eigen::Vector2d pixel = camera_.Project(center_in_cam);
   const Eigen::Vector2d half = HalfAxes(center_in_cam, radius_m);
   const Eigen::Vector2d min = pixel - half, max = pixel + half;
-  if (max.x() < 0 || max.y() < 0 || min.x() > kWidth || min.y() > kHeight) return false;
-  return !IsHidden(PixelBox(min, max), static_cast<float>((1 + 1e-6) / nearest_depth), at_corner);
+  return IsHidden(PixelBox(min, max), static_cast<float>((1 + 1e-6) / nearest_depth), at_corner);
 }
 
 void DepthRaster::Draw(const std::array<const Vertex*, 3>& face, bool confident,

@@ -31,8 +31,9 @@ class DepthRaster {
   struct Vertex;
 
   Eigen::Vector2d HalfAxes(const Eigen::Vector3d& center_in_cam, double radius_m) const;
-  bool MayShow(const Eigen::Vector3d& center_in_cam, double radius_m,
-               const std::vector<float>& at_corner) const;
+  bool IsOutside(const Eigen::Vector3d& center_in_cam, double radius_m) const;
+  bool IsHidden(const Eigen::Vector3d& center_in_cam, double radius_m,
+                const std::vector<float>& at_corner) const;
   void Draw(const std::array<const Vertex*, 3>& face, bool confident,
             std::vector<float>* at_corner);
   bool IsHidden(const PixelBox& pixels, float inverse_depth,

@@ -32,20 +32,6 @@ Eigen::Vector3d ParseStart(const std::string& text) {
   }
 }
 
-// With its signal, where the file has it; else all of it is confident.
-Surface SurfaceOf(const PlanningInputs& inputs, const std::filesystem::path& mesh_path,
-                  const PathOptions& options, const JobControl& job) {
-  if (options.confident_spacing_m > 0) {
-    try {
-      return ReadSurface(mesh_path);
-    } catch (const Error&) {
-      job.Warn("path_planner: " + mesh_path.string() +
-               " has no sample_spacing_m: all of it counts as seen with confidence");
-    }
-  }
-  return {inputs.surface, {}, {}};
-}
-
 void Report(const FlightPath& path, const std::filesystem::path& output, const JobControl& job) {
   if (path.waypoints.size() == 1) {
     job.Info("path_planner: nothing to fly: " +
@@ -106,7 +92,7 @@ int RunPathPlanner(const Arguments& arguments, Program& program) {
   const Eigen::Vector3d start = start_text.empty()
                                     ? CameraCenter(inputs.photos.photos.back().cam_from_world)
                                     : ParseStart(start_text);
-  const FlightPath path = PlanPath(start, views, SurfaceOf(inputs, paths.mesh, options, job),
+  const FlightPath path = PlanPath(start, views, ConfidentSurface(inputs, paths.mesh, options, job),
                                    inputs.photos.photos, options, job);
   WritePath(path, inputs.frame, paths.output);
   Report(path, paths.output, job);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "colmap_ext/coverage/coverage.h"
 #include "colmap_ext/nbv/next_best_views.h"
@@ -95,7 +96,10 @@ int RunViewPlanner(const Arguments& arguments, Program& program) {
   input.first_id = first_id;
   input.points = &inputs.photos.points;
   input.start = CameraCenter(photos.back().cam_from_world);
-  input.may_fly = FlyablePositions(inputs.surface, photos, *input.start, path_options);
+  const Surface surface = ConfidentSurface(inputs, paths.mesh, path_options, job);
+  input.may_fly = FlyablePositions(
+      std::make_shared<FreeSpace>(KnownSpace(surface, photos, *input.start, path_options)),
+      path_options);
   input.limits = &path_options.limits;
   input.limits_margin_m = path_options.position_error_m;
   const ViewPlanResult plan = PlanNextViews(input, options, job);

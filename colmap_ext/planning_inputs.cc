@@ -26,4 +26,17 @@ PlanningInputs ReadPlanningInputs(const std::filesystem::path& sparse_path,
   return inputs;
 }
 
+Surface ConfidentSurface(const PlanningInputs& inputs, const std::filesystem::path& mesh_path,
+                         const PathOptions& options, const JobControl& job) {
+  if (options.confident_spacing_m > 0) {
+    try {
+      return ReadSurface(mesh_path);
+    } catch (const Error&) {
+      job.Warn(mesh_path.string() +
+               " has no sample_spacing_m: all of it counts as seen with confidence");
+    }
+  }
+  return {inputs.surface, {}, {}};
+}
+
 }  // namespace colmap_ext

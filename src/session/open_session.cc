@@ -66,7 +66,8 @@ bool IsFinished(const Session& session) {
 }
 
 bool HasNewPhotos(const Session& session) {
-  if (session.summary.iterations.empty()) return true;
+  // What an interrupted iteration had to do is still to be done.
+  if (session.summary.iterations.empty() || WasInterrupted(session)) return true;
   const std::vector<std::string> names = ListPhotos(session.inputs.image_path);
   if (!fs::exists(SeenPath(session.workspace))) {
     return static_cast<int>(names.size()) > session.summary.iterations.back().photos;

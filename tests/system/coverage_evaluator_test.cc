@@ -70,6 +70,25 @@ TEST_F(CoverageOfAnyModel, AMeshIsJudgedAndMapped) {
   EXPECT_EQ(ReadFile(folder_ / "out" / "coverage_map.pgw").substr(0, 4), "0.1\n");
 }
 
+TEST_F(CoverageOfAnyModel, TheFrameOfTheModelPlacesTheMapOnEarth) {
+  WriteTop(folder_ / "top.ply");
+  // As sparse_updater writes it: in the folder of the model.
+  WriteFileAtomically(folder_ / "sparse" / "frame.json",
+                      std::string(R"({"metric": true, "origin": {"lat": 46.5, "lon": 6.6,
+                                      "height_m": 400}})"));
+  const ChildProcessResult result =
+      Evaluate("top.ply", {"--RegionOfInterest.box", "-2,-2,2,2,2,3"});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NE(ReadFile(folder_ / "out" / "coverage_map.prj").find("UTM"), std::string::npos);
+}
+
+TEST_F(CoverageOfAnyModel, ARegionWithNothingInItIsSaid) {
+  WriteTop(folder_ / "top.ply");
+  const ChildProcessResult result =
+      Evaluate("top.ply", {"--RegionOfInterest.box", "100,100,0,110,110,3"});
+  EXPECT_NE(result.output.find("nothing was judged"), std::string::npos) << result.output;
+}
+
 TEST_F(CoverageOfAnyModel, AWantedErrorDecides) {
   WriteTop(folder_ / "top.ply");
   const auto covered_with_target = [this](const std::string& target_mm) {

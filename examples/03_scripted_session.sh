@@ -18,10 +18,15 @@ max_iterations = 1
 pictures = 0
 
 [InitialFlight]
-num_views = 28
+num_views = 24
 
 [SparseUpdate]
 max_num_features = 1500
+
+[Simulation]
+width = 480
+height = 276
+focal_px = 360
 
 [Renderer]
 samples_per_pixel = 1

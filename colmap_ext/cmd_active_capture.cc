@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "ask_yes.h"
 #include "colmap_ext/report/page_server.h"
 #include "colmap_ext/report/summary_json.h"
 #include "colmap_ext/report/summary_table.h"
@@ -58,7 +59,7 @@ void BindOptions(OptionSet& set, CaptureOptions* o) {
   set.Add("", "serve", &o->serve_port,
           "show the session on a page at http://127.0.0.1:PORT/ while it runs, and "
           "after, until Ctrl-C; 0: any free port");
-  set.Add("", "vehicle", &o->vehicle, "the same as --Session.vehicle");
+  set.Add("", "vehicle", &o->vehicle, "the same as --Session.vehicle (docs/flying.md)");
   set.Add("", "status", &o->status, "only say how far the session of this workspace is");
   set.Add("", "dry_run", &o->dry_run,
           "only say what would be done: stages, photos, flight, room on the disk");
@@ -83,22 +84,26 @@ int ShowForecast(const SessionInputs& inputs, const StageOptions& options, Progr
 }
 
 // Options of the workspace's session, and those that follow from others.
-void CompleteOptions(const SessionInputs& inputs, const CaptureOptions& capture, OptionSet* set,
+void CompleteOptions(const SessionInputs& inputs, CaptureOptions* capture, OptionSet* set,
                      StageOptions* options) {
   const Workspace workspace(inputs.workspace_path);
+  if (capture->vehicle.empty() && set->IsSet("Session.vehicle")) {
+    capture->vehicle = options->session.vehicle;
+  }
+  // One of the two names is enough to remember.
+  const std::string vehicle = std::exchange(capture->vehicle, "");
   if (std::filesystem::exists(workspace.session_ini())) set->ParseIniFile(workspace.session_ini());
-  std::string preset = capture.preset;
+  std::string preset = capture->preset;
   if (!inputs.image_path.empty() && preset.empty() && !set->IsSet("Session.fit_to_site")) {
     options->session.fit_to_site = !set->IsSet("Coverage.ground_sampling_distance_mm");
   }
-  if (!capture.vehicle.empty()) options->session.vehicle = capture.vehicle;
+  if (!vehicle.empty()) options->session.vehicle = vehicle;
   if (preset.empty()) preset = inputs.scene == "boxes" ? "indoor" : "outdoor";
   ApplyPreset(preset, *set, options);
 }
 
-int RunWithPage(const SessionInputs& inputs, const StageOptions& options,
-                const CaptureOptions& capture, const std::string& session_ini, bool serves,
-                Program* program) {
+int RunWithPage(SessionInputs inputs, const StageOptions& options, const CaptureOptions& capture,
+                const std::string& session_ini, bool serves, Program* program) {
   const Workspace workspace(inputs.workspace_path);
   std::optional<SessionLock> lock(std::in_place, workspace);
   WriteFileAtomically(workspace.session_ini(), session_ini);
@@ -110,6 +115,7 @@ int RunWithPage(const SessionInputs& inputs, const StageOptions& options,
   }
   ProgressSink* const sink = server ? static_cast<ProgressSink*>(server.get()) : &program->log;
   const JobControl job(sink, &program->cancel);
+  inputs.confirm = [&job](const std::string& checklist) { return AskYes(checklist, job); };
   SessionEvents events(workspace, capture.hooks, &program->log, job);
   const SessionSummary summary = RunSession(inputs, options, job, &events);
   std::cout << '\n' << SummaryTable(summary) << std::flush;
@@ -132,7 +138,8 @@ int RunActiveCapture(const Arguments& arguments, Program& program) {
       "The whole loop. With --scene or --scene_path: a simulated drone flies until every "
       "reachable part is covered. With --image_path: one iteration over your photos, "
       "ending with coverage map, next views, path and a QGroundControl mission; run it "
-      "again when there are new photos. A session that was stopped goes on.");
+      "again when there are new photos. With --image_path and --vehicle: a real vehicle flies "
+      "from there on. A session that was stopped goes on.");
   SessionInputs inputs;
   StageOptions options;
   CaptureOptions capture;
@@ -142,13 +149,17 @@ int RunActiveCapture(const Arguments& arguments, Program& program) {
   if (!line.Parse(arguments, &program.log)) return 0;
   RequireOption(inputs.workspace_path, "workspace_path");
   if (capture.status) return ShowStatus(inputs, &program.log);
-  CompleteOptions(inputs, capture, &line.options(), &options);
+  // Is given anew each time: what is remembered does not arm a vehicle.
+  const bool yes = std::exchange(inputs.yes, false);
+  CompleteOptions(inputs, &capture, &line.options(), &options);
+  const std::string session_ini = line.options().ToIni();
+  inputs.yes = yes;
   inputs.Check();
   ThrowIfInvalid(options.Check());
   if (capture.dry_run) return ShowForecast(inputs, options, &program.log);
   RequireWritableFolder(inputs.workspace_path, "workspace");
-  return RunWithPage(inputs, options, capture, line.options().ToIni(),
-                     line.options().IsSet("serve"), &program);
+  return RunWithPage(inputs, options, capture, session_ini, line.options().IsSet("serve"),
+                     &program);
 }
 
 }  // namespace colmap_ext

@@ -3,6 +3,7 @@
 #include <iostream>
 #include <map>
 
+#include "ask_yes.h"
 #include "colmap_ext/flight/dry_run.h"
 #include "colmap_ext/flight/flight_client.h"
 #include "colmap_ext/flight/flight_options.h"
@@ -61,19 +62,21 @@ void PrintStatus(const Json& status) {
 }
 
 // A person types yes before anything arms.
-void AskBeforeStart(const FlightClient& client, const ClientInputs& inputs) {
-  const Json status = client.Status();
-  PrintStatus(status);
+void AskBeforeStart(const FlightClient& client, const ClientInputs& inputs, const JobControl& job) {
+  PrintStatus(client.Status());
+  std::string checklist;
   const std::filesystem::path path = inputs.workspace_path / "flight" / "mission.json";
   if (std::filesystem::exists(path)) {
     const FlightMission mission = MissionFromJson(ReadJsonFile(path), path.string());
-    std::cout << ChecklistText(MakeChecklist(mission, 6, 25), mission);
+    const FlightOptions flight;
+    checklist = ChecklistText(
+        MakeChecklist(mission, flight.percent_per_minute, flight.reserve_percent), mission);
   }
-  if (inputs.yes) return;
-  std::cout << "The vehicle will arm and take off. Type yes to start: " << std::flush;
-  std::string answer;
-  std::getline(std::cin, answer);
-  if (answer != "yes") throw Error("not started");
+  if (inputs.yes) {
+    std::cout << checklist;
+  } else if (!AskYes(checklist, job)) {
+    throw Error("not started");
+  }
 }
 
 void WatchEvents(const FlightClient& client, const std::atomic<bool>& cancel) {
@@ -121,7 +124,7 @@ int Perform(const std::string& action, const ClientInputs& inputs, Program& prog
   } else if (action == "preflight") {
     show(client.Preflight());
   } else if (action == "start") {
-    AskBeforeStart(client, inputs);
+    AskBeforeStart(client, inputs, JobControl(&program.log, &program.cancel));
     show(client.Start());
   } else if (action == "pause") {
     show(client.Pause());

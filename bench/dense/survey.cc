@@ -18,10 +18,11 @@ BenchSurvey MakeSurvey(const fs::path& work_path, int num_views, const JobContro
   const Workspace workspace(work_path / "church");
   const IterationFiles files{workspace.iteration(0)};
   if (!fs::exists(files.coverage_json())) {
-    RunColmapExt({"active_capture", "--workspace_path", workspace.root().string(), "--scene",
-                  "church", "--Session.max_iterations", "1", "--Session.full_resolution", "1",
-                  "--InitialFlight.num_views", std::to_string(num_views)},
-                 work_path / "logs" / "active_capture.log", job);
+    RunColmapExt(
+        {"active_capture", "--workspace_path", workspace.root().string(), "--scene", "church",
+         "--Session.vehicle", "embedded", "--Session.max_iterations", "1",
+         "--Session.full_resolution", "1", "--InitialFlight.num_views", std::to_string(num_views)},
+        work_path / "logs" / "active_capture.log", job);
   }
   BenchSurvey survey;
   survey.images_low = workspace.images();

@@ -31,6 +31,8 @@
 namespace colmap_ext {
 namespace {
 
+constexpr double kPollS = 0.2;  // between questions for the status, as active_capture asks
+
 namespace asio = boost::asio;
 namespace fs = std::filesystem;
 
@@ -196,7 +198,7 @@ void WaitForState(const FlightClient& client, const std::string& state, double t
       throw Error("the daemon is in " + status["state"].get<std::string>() + " (" +
                   status["reason"].get<std::string>() + "), not in " + state);
     }
-    Sleep(0.05);
+    Sleep(kPollS);
   }
 }
 

@@ -133,6 +133,8 @@ LoopResult RunPhotoLoop(const TrueSite& site, const std::string& strategy, int m
                      std::to_string(options.nbv.seed),
                      "--Simulation.seed",
                      std::to_string(options.nbv.seed),
+                     "--Session.vehicle",
+                     "embedded",
                      "--Session.pictures",
                      "0",
                      "--Session.max_photos",

@@ -45,6 +45,8 @@ Json ParseBody(const std::string& body) {
     return json;
   } catch (const Json::parse_error& error) {
     throw ApiError(400, "the body is no JSON (byte " + std::to_string(error.byte) + ")");
+  } catch (const Json::exception&) {
+    throw ApiError(400, "the body has a number that is too large");
   }
 }
 

@@ -70,7 +70,8 @@ void CommandSender::SendStep(Task* task, double now_s) {
   task->due_s = now_s + step.timeout_s;
 }
 
-bool CommandSender::FinishStep(Task* task, CommandOutcome outcome, const std::string& text) {
+bool CommandSender::FinishStep(Task* task, CommandOutcome outcome, const std::string& text,
+                               double now_s) {
   MavStep& step = task->steps[task->step];
   const bool is_good = outcome == CommandOutcome::kAccepted || step.may_fail;
   if (!is_good) {
@@ -79,7 +80,7 @@ bool CommandSender::FinishStep(Task* task, CommandOutcome outcome, const std::st
   }
   ++task->step;
   task->sent = 0;
-  task->due_s = 0;
+  task->due_s = now_s;
   if (task->step < task->steps.size()) return false;
   results_.push_back({task->id, task->kind, CommandOutcome::kAccepted, "", task->took_fallback});
   return true;
@@ -102,7 +103,7 @@ void CommandSender::OnAck(const MavCommandAck& ack, double now_s) {
       const bool is_accepted = ack.result == MavResult::kAccepted ||
                                (step.may_be_unsupported && ack.result == MavResult::kUnsupported);
       if (FinishStep(&*task, is_accepted ? CommandOutcome::kAccepted : CommandOutcome::kRejected,
-                     Name(ack.result))) {
+                     Name(ack.result), now_s)) {
         tasks_.erase(task);
       }
     }
@@ -115,14 +116,25 @@ void CommandSender::CancelMotion() {
   std::erase_if(tasks_, [](const Task& task) { return IsMotion(task.kind); });
 }
 
-void CommandSender::Tick(double now_s) {
+void CommandSender::Tick(double now_s) { Advance(now_s, nullptr); }
+
+void CommandSender::ReleaseMotion(double mode_heard_s, double now_s) {
+  Advance(now_s, &mode_heard_s);
+}
+
+// `mode_heard_s`: null when what moves the vehicle has to wait.
+void CommandSender::Advance(double now_s, const double* mode_heard_s) {
+  const auto may_send = [&](const Task& task) {
+    if (!IsMotion(task.kind)) return true;
+    return mode_heard_s != nullptr && *mode_heard_s >= task.due_s;
+  };
   for (auto task = tasks_.begin(); task != tasks_.end();) {
     if (task->sent == 0) {
-      if (!IsBusy(*task)) SendStep(&*task, now_s);
+      if (!IsBusy(*task) && may_send(*task)) SendStep(&*task, now_s);
     } else if (now_s >= task->due_s) {
       if (task->sent < task->steps[task->step].tries) {
-        SendStep(&*task, now_s);
-      } else if (FinishStep(&*task, CommandOutcome::kNoAnswer, "no answer")) {
+        if (may_send(*task)) SendStep(&*task, now_s);
+      } else if (FinishStep(&*task, CommandOutcome::kNoAnswer, "no answer", now_s)) {
         task = tasks_.erase(task);
         continue;
       } else {

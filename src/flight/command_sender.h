@@ -33,7 +33,9 @@ struct TaskResult {
 };
 
 // Tasks run side by side, their steps one after another. Of two steps with the same command number
-// the later one waits, for answers carry no other mark.
+// the later one waits, for answers carry no other mark. What moves the vehicle, repetitions
+// included, waits until its mode is known to be ours later than the wish: a pilot who took it
+// meanwhile is not commanded.
 class CommandSender {
  public:
   // Replaces an unfinished task of the same kind, or any that changes mode or place when this one
@@ -44,6 +46,8 @@ class CommandSender {
   void CancelMotion();
   void Clear() { tasks_.clear(); }
   void Tick(double now_s);
+  // The vehicle's mode was heard at `mode_heard_s`, and nobody objects to it.
+  void ReleaseMotion(double mode_heard_s, double now_s);
 
   std::vector<MavCommandMessage> TakeMessages();
   std::vector<TaskResult> TakeResults();
@@ -54,15 +58,16 @@ class CommandSender {
     CommandKind kind = CommandKind::kPreflight;
     std::vector<MavStep> steps;
     std::size_t step = 0;
-    int sent = 0;  // times, of the present step
-    double due_s = 0;
+    int sent = 0;      // times, of the present step
+    double due_s = 0;  // the first sending, or the next
     bool took_fallback = false;
   };
 
   bool IsBusy(const Task& task) const;
   void SendStep(Task* task, double now_s);
+  void Advance(double now_s, const double* mode_heard_s);
   // The present step is over; true when the task is, too.
-  bool FinishStep(Task* task, CommandOutcome outcome, const std::string& text);
+  bool FinishStep(Task* task, CommandOutcome outcome, const std::string& text, double now_s);
 
   std::vector<Task> tasks_;
   std::vector<MavCommandMessage> messages_;

@@ -6,9 +6,11 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "colmap_ext/flight/flight_daemon.h"
 #include "colmap_ext/flight/mission_machine.h"
+#include "colmap_ext/mavlink/codec.h"
 
 namespace colmap_ext {
 
@@ -29,6 +31,11 @@ class FetchQueue {
   // For the datum of what is added from now on.
   void SetMission(const FlightMission& mission);
   void Add(FetchRequest request);
+  // MAVLink FTP, for pictures whose URL begins with mftp:. Every FILE_TRANSFER_PROTOCOL that came,
+  // and what is to be sent to `vehicle_system`, when packets came and ten times a second; while the
+  // vehicle is not heard, nothing is sent and nothing fails.
+  void Receive(const MavFrame& frame, double now_s);
+  std::vector<MavFileTransferProtocol> PollFtp(int vehicle_system, bool is_heard, double now_s);
   void Stop();  // no event comes any more
   std::size_t size() const;
 

@@ -108,6 +108,11 @@ void FlightController::Tick(double now_s) {
   Advance(now_s);
 }
 
+void FlightController::Send(const MavFileTransferProtocol& message, double now_s) {
+  driver_.Send(message);
+  Collect(now_s);
+}
+
 void FlightController::Advance(double now_s) {
   DriverEvents events = driver_.TakeEvents();
   for (const CaptureReport& report : events.captures) machine_.OnCapture(report, now_s);
@@ -133,6 +138,7 @@ void FlightController::Collect(double now_s) {
   for (const FlightCommand& command : made.commands) {
     driver_.Execute(command, machine_.mission(), options_, now_s);
   }
+  driver_.ReleaseMotion(now_s);
   MoveTo(driver_.TakeFrames(), &output_.commands);
   MoveTo(std::move(made.records), &output_.records);
   MoveTo(std::move(made.fetches), &output_.fetches);

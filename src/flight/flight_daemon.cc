@@ -2,13 +2,16 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/thread_pool.hpp>
 #include <chrono>
 #include <deque>
+#include <iterator>
 #include <random>
+#include <utility>
 
 #include "colmap_ext/flight/flight_client.h"
 #include "colmap_ext/flight/flight_controller.h"
@@ -18,6 +21,7 @@
 #include "colmap_ext/mavlink/signing.h"
 #include "colmap_ext/scene/workspace.h"
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/file_lock.h"
 #include "colmap_ext/util/files.h"
 #include "flight/api_call.h"
 #include "flight/api_server.h"
@@ -31,7 +35,9 @@ namespace {
 namespace asio = boost::asio;
 namespace fs = std::filesystem;
 
-constexpr double kTickS = 0.1;  // of the daemon's clock
+constexpr double kTickS = 0.1;       // of the daemon's clock, ...
+constexpr double kMinTickS = 0.01;   // ... but not oftener than this of the wall's
+constexpr double kMaxDelayS = 0.25;  // of records that nothing waits for
 
 double WallS() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -65,6 +71,7 @@ class Daemon {
   void OnBytes(std::span<const std::uint8_t> bytes, bool ends_datagram);
   void OnFrame(const MavFrame& frame);
   void ScheduleTick();
+  void PollFtp();
   FlightReply OnRequest(const FlightRequest& request);
   void HandleOutput();
   void WriteThenSend(std::vector<Json> records, std::vector<MavFrame> commands);
@@ -91,6 +98,9 @@ class Daemon {
   std::string token_ = MakeToken();
   // Commands that wait for their records, by batch, oldest first.
   std::deque<std::vector<MavFrame>> waiting_;
+  std::vector<Json> delayed_;  // records that nothing waits for
+  double delayed_since_s_ = 0;
+  int vehicle_system_ = 0;
   std::string fatal_;
 };
 
@@ -128,6 +138,7 @@ Daemon::Daemon(const DaemonOptions& options, const JobControl& job)
 Daemon::~Daemon() {
   fetches_->Stop();
   link_.reset();
+  if (!delayed_.empty()) WriteThenSend({}, {});
   disk_.join();
   workers_.stop();
   workers_.join();
@@ -183,13 +194,28 @@ void Daemon::OnFrame(const MavFrame& frame) {
   if (const auto position = UnpackMav<MavGlobalPositionInt>(frame)) {
     clock_.OnVehicleTime(1e-3 * position->time_boot_ms, wall_s);
   }
-  controller_.Receive(frame, clock_.Now(wall_s));
+  const double now_s = clock_.Now(wall_s);
+  controller_.Receive(frame, now_s);
+  if (controller_.vehicle().heard_s == now_s) vehicle_system_ = frame.system_id;
+  if (frame.message_id == MavFileTransferProtocol::kId) {
+    fetches_->Receive(frame, now_s);
+    PollFtp();
+  }
+}
+
+void Daemon::PollFtp() {
+  const double now_s = clock_.Now(WallS());
+  const bool is_heard = now_s - controller_.vehicle().heard_s < options_.flight.link_timeout_s;
+  for (const MavFileTransferProtocol& message :
+       fetches_->PollFtp(vehicle_system_, is_heard, now_s)) {
+    controller_.Send(message, now_s);
+  }
 }
 
 void Daemon::ScheduleTick() {
   const double speed = options_.simulated_speed > 0 ? options_.simulated_speed : 1;
   timer_.expires_after(std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-      std::chrono::duration<double>(kTickS / speed)));
+      std::chrono::duration<double>(std::max(kTickS / speed, kMinTickS))));
   timer_.async_wait([this](const boost::system::error_code& error) {
     if (error) return;
     if (job_.IsCancelled() || !fatal_.empty()) {
@@ -197,7 +223,9 @@ void Daemon::ScheduleTick() {
       return;
     }
     controller_.Tick(clock_.Now(WallS()));
+    PollFtp();
     HandleOutput();
+    if (!delayed_.empty() && WallS() - delayed_since_s_ > kMaxDelayS) WriteThenSend({}, {});
     ScheduleTick();
   });
 }
@@ -243,8 +271,17 @@ void Daemon::HandleOutput() {
   }
 }
 
-// Disk in a worker, so that a slow one does not stop the heartbeat.
+// Disk in a worker, so that a slow one does not stop the heartbeat. Changes of state announce
+// nothing that has to wait for the disk: they go with the next record that does.
 void Daemon::WriteThenSend(std::vector<Json> records, std::vector<MavFrame> commands) {
+  const bool can_wait = commands.empty() && !records.empty() &&
+                        std::all_of(records.begin(), records.end(),
+                                    [](const Json& record) { return record["type"] == "state"; });
+  if (delayed_.empty()) delayed_since_s_ = WallS();
+  delayed_.insert(delayed_.end(), std::make_move_iterator(records.begin()),
+                  std::make_move_iterator(records.end()));
+  if (can_wait) return;
+  records = std::exchange(delayed_, {});
   waiting_.push_back(std::move(commands));
   asio::post(disk_, [this, records = std::move(records)] {
     std::string problem;
@@ -319,8 +356,8 @@ void BindOptions(OptionSet& set, DaemonOptions* options) {
   set.Add("", "api_port", &options->api_port,
           "port of the API on 127.0.0.1; 0: any free one (flightd.json says which)");
   set.Add("", "picture_url", &options->picture_url,
-          "where the camera's pictures are, with {index} or {index5} and {resolution}; default: "
-          "as the camera says");
+          "where the camera's pictures are, with {index} or {index5} and {resolution}: http://… or "
+          "mftp://[;comp=100]/…; default: as the camera says");
   set.Add("", "capture_folder", &options->capture_folder,
           "folder in which somebody else puts the pictures");
   set.Add("", "simulated_speed", &options->simulated_speed,
@@ -333,10 +370,9 @@ void BindOptions(OptionSet& set, DaemonOptions* options) {
 void RunFlightDaemon(const DaemonOptions& options, const JobControl& job) {
   ThrowIfInvalid(options.Check());
   RequireWritableFolder(options.workspace_path, "workspace");
-  if (const auto other = FindDaemon(options.workspace_path)) {
-    throw Error(options.workspace_path.string() + ": another flight daemon (process " +
-                std::to_string(other->pid) + ") flies for this workspace");
-  }
+  const FileLock lock(
+      DaemonLockPath(options.workspace_path),
+      options.workspace_path.string() + ": another flight daemon flies for this workspace");
   Daemon daemon(options, job);
   daemon.Run();
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace colmap_ext {
 namespace {
@@ -51,6 +52,7 @@ void ApplyAsk(const JsonNode& record, FlightLedger* ledger) {
   ViewEntry& entry = ledger->views[record["view"].Integer()];
   entry.photo = record["photo"].Text();
   entry.sequence = record["sequence"].Integer();
+  if (entry.sequence == std::numeric_limits<int>::max()) record["sequence"].Fail("too large");
   ledger->last_index = record["after_index"].Integer();  // a camera may have begun anew
   ledger->next_sequence = std::max(ledger->next_sequence, entry.sequence + 1);
   if (entry.status == ViewStatus::kPending || entry.status == ViewStatus::kFailed) {
@@ -63,6 +65,19 @@ void ApplyFailed(const JsonNode& record, FlightLedger* ledger) {
   if (entry.status == ViewStatus::kCaptured || entry.status == ViewStatus::kStored) return;
   entry.status = ViewStatus::kFailed;
   entry.reason = record["reason"].Text();
+}
+
+// Its pictures are numbered anew, and what the one before held cannot be had any more.
+void ApplyNewCamera(FlightLedger* ledger) {
+  for (auto& [view_id, entry] : ledger->views) {
+    if (entry.status == ViewStatus::kAsked || entry.status == ViewStatus::kCaptured) {
+      entry.status = ViewStatus::kPending;
+    }
+    entry.sequence = 0;
+    entry.capture.record.index = -1;
+  }
+  ledger->others.clear();
+  ledger->last_index = -1;
 }
 
 }  // namespace
@@ -87,6 +102,8 @@ void ApplyRecord(const JsonNode& record, FlightLedger* ledger) {
     ApplyStored(record, ledger);
   } else if (type == "failed") {
     ApplyFailed(record, ledger);
+  } else if (type == "new_camera") {
+    ApplyNewCamera(ledger);
   } else if (type == "retry") {
     ViewEntry& entry = ledger->views[record["view"].Integer()];
     if (entry.status == ViewStatus::kFailed) entry.status = ViewStatus::kPending;

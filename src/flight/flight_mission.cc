@@ -1,5 +1,6 @@
 #include "colmap_ext/flight/flight_mission.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -45,6 +46,38 @@ std::string CheckLimits(const MissionLimits& limits) {
   return "";
 }
 
+std::string CheckZones(const FlightLimits& site) {
+  if (site.min_z_m > site.max_z_m) return "limits: min_z_m is above max_z_m";
+  for (std::size_t i = 0; i < site.zones.size(); ++i) {
+    const FlightZone& zone = site.zones[i];
+    const std::string where = "limits: zone " + std::to_string(i) + ": ";
+    if (zone.rings.empty()) return where + "rings_enu_m is empty";
+    if (zone.min_z_m > zone.max_z_m) return where + "min_z_m is above max_z_m";
+    for (const PolygonRing& ring : zone.rings) {
+      if (ring.size() < 3) return where + "a ring needs at least 3 corners";
+      const bool is_finite = std::all_of(ring.begin(), ring.end(),
+                                         [](const auto& corner) { return corner.allFinite(); });
+      if (!is_finite) return where + "not a finite number";
+    }
+  }
+  return "";
+}
+
+// Whether stops and the straight ways between them are within the limits of the site.
+std::string CheckWay(const std::vector<FlightStop>& stops, const FlightLimits& site) {
+  if (site.IsEmpty()) return "";
+  for (std::size_t i = 0; i < stops.size(); ++i) {
+    const std::string why = site.WhyNot(stops[i].position);
+    if (!why.empty()) return "stop " + std::to_string(i) + " is " + why;
+    if (i == 0) continue;
+    if (!site.AllowsSegment(stops[i - 1].position, stops[i].position, 0)) {
+      return "the way from stop " + std::to_string(i - 1) + " to stop " + std::to_string(i) +
+             " leaves the flight limits";
+    }
+  }
+  return "";
+}
+
 const char* Name(AtEnd at_end) {
   switch (at_end) {
     case AtEnd::kHold:
@@ -73,28 +106,80 @@ void ReadIfThere(const JsonNode& object, const char* key, T* value, const Read& 
 double NumberOf(const JsonNode& node) { return node.Number(); }
 bool BooleanOf(const JsonNode& node) { return node.Boolean(); }
 
+PolygonRing RingFromJson(const JsonNode& node) {
+  PolygonRing ring;
+  for (const JsonNode& corner : node.Items()) {
+    const std::vector<JsonNode> xy = corner.Items();
+    if (xy.size() != 2) corner.Fail("expected [x, y]");
+    ring.emplace_back(xy[0].Number(), xy[1].Number());
+  }
+  return ring;
+}
+
+Json RingToJson(const PolygonRing& ring) {
+  Json json = Json::array();
+  for (const Eigen::Vector2d& corner : ring) json.push_back({corner.x(), corner.y()});
+  return json;
+}
+
+FlightZone ZoneFromJson(const JsonNode& node) {
+  FlightZone zone;
+  const JsonNode kind = node["fence"];
+  if (kind.Text() == "exclusion") {
+    zone.kind = FlightZone::Kind::kExclusion;
+  } else if (kind.Text() != "inclusion") {
+    kind.Fail("must be inclusion or exclusion");
+  }
+  ReadIfThere(node, "name", &zone.name, [](const JsonNode& name) { return name.Text(); });
+  for (const JsonNode& ring : node["rings_enu_m"].Items()) zone.rings.push_back(RingFromJson(ring));
+  ReadIfThere(node, "min_z_m", &zone.min_z_m, NumberOf);
+  ReadIfThere(node, "max_z_m", &zone.max_z_m, NumberOf);
+  return zone;
+}
+
+// JSON has no infinity: a bound that is none is not written.
+void SetIfFinite(const char* key, double value, Json* json) {
+  if (std::isfinite(value)) (*json)[key] = value;
+}
+
+Json ZoneToJson(const FlightZone& zone) {
+  Json rings = Json::array();
+  for (const PolygonRing& ring : zone.rings) rings.push_back(RingToJson(ring));
+  Json json = {{"fence", zone.kind == FlightZone::Kind::kExclusion ? "exclusion" : "inclusion"},
+               {"name", zone.name},
+               {"rings_enu_m", rings}};
+  SetIfFinite("min_z_m", zone.min_z_m, &json);
+  SetIfFinite("max_z_m", zone.max_z_m, &json);
+  return json;
+}
+
 MissionLimits LimitsFromJson(const JsonNode& node) {
   MissionLimits limits;
   ReadIfThere(node, "min_relative_height_m", &limits.min_relative_height_m, NumberOf);
   ReadIfThere(node, "max_relative_height_m", &limits.max_relative_height_m, NumberOf);
   ReadIfThere(node, "max_distance_m", &limits.max_distance_m, NumberOf);
-  if (const auto fence = node.Find("fence_enu_m")) {
-    for (const JsonNode& corner : fence->Items()) {
-      const std::vector<JsonNode> xy = corner.Items();
-      if (xy.size() != 2) corner.Fail("expected [x, y]");
-      limits.fence.emplace_back(xy[0].Number(), xy[1].Number());
-    }
+  ReadIfThere(node, "fence_enu_m", &limits.fence, RingFromJson);
+  if (const auto zones = node.Find("zones")) {
+    for (const JsonNode& zone : zones->Items()) limits.site.zones.push_back(ZoneFromJson(zone));
   }
+  ReadIfThere(node, "min_z_m", &limits.site.min_z_m, NumberOf);
+  ReadIfThere(node, "max_z_m", &limits.site.max_z_m, NumberOf);
   return limits;
 }
 
 Json LimitsToJson(const MissionLimits& limits) {
-  Json fence = Json::array();
-  for (const Eigen::Vector2d& corner : limits.fence) fence.push_back({corner.x(), corner.y()});
-  return {{"min_relative_height_m", limits.min_relative_height_m},
-          {"max_relative_height_m", limits.max_relative_height_m},
-          {"max_distance_m", limits.max_distance_m},
-          {"fence_enu_m", fence}};
+  Json json = {{"min_relative_height_m", limits.min_relative_height_m},
+               {"max_relative_height_m", limits.max_relative_height_m},
+               {"max_distance_m", limits.max_distance_m},
+               {"fence_enu_m", RingToJson(limits.fence)}};
+  if (!limits.site.zones.empty()) {
+    Json zones = Json::array();
+    for (const FlightZone& zone : limits.site.zones) zones.push_back(ZoneToJson(zone));
+    json["zones"] = zones;
+  }
+  SetIfFinite("min_z_m", limits.site.min_z_m, &json);
+  SetIfFinite("max_z_m", limits.site.max_z_m, &json);
+  return json;
 }
 
 Json StopToJson(const FlightStop& stop) {
@@ -123,8 +208,10 @@ std::string FlightMission::Check() const {
   if (surface_path.empty() && !transit_z_m) {
     return "without surface_path, transit_z_m must say at what height every way is free";
   }
-  const std::string complaint = CheckLimits(limits);
-  return complaint.empty() ? CheckStops(stops) : complaint;
+  std::string complaint = CheckLimits(limits);
+  if (complaint.empty()) complaint = CheckZones(limits.site);
+  if (complaint.empty()) complaint = CheckStops(stops);
+  return complaint.empty() ? CheckWay(stops, limits.site) : complaint;
 }
 
 Eigen::Vector3d FlightMission::WorldFromAmsl(const GeoPosition& amsl) const {

@@ -176,8 +176,13 @@ void MachineImpl::OnPictureCount(int count) {
     counted_index_ = index;
     return;
   }
+  if (IsFlying()) return;
+  // Another camera, or the same one after it was switched off.
+  const bool is_new = is_first_count_ && index < ledger.last_index;
+  is_first_count_ = false;
+  if (is_new) Record({{"type", "new_camera"}});
   // What the camera holds from before is not ours.
-  if (!IsFlying()) ledger.last_index = index;
+  ledger.last_index = index;
 }
 
 // What is known here about a picture that the camera has but does not describe.

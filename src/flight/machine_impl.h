@@ -178,6 +178,7 @@ class MachineImpl {
   int counted_index_ = -1;
   double counted_s_ = 0;
   bool knows_count_ = false;                 // the camera told how many pictures it has
+  bool is_first_count_ = false;              // … and the next time since the vehicle came
   std::set<std::pair<int, bool>> fetching_;  // view id, full resolution
 };
 

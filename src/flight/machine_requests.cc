@@ -174,9 +174,9 @@ FlightReply MachineImpl::Abort(bool land) {
 void MachineImpl::FetchWhatIsCaptured() {
   for (const auto& [view_id, entry] : ledger.views) {
     if (entry.status == ViewStatus::kCaptured) Fetch(view_id, false);
-    if (entry.status == ViewStatus::kStored && mission.full_resolution && !entry.full_stored) {
-      Fetch(view_id, true);
-    }
+    const bool lacks_full = entry.status == ViewStatus::kStored && mission.full_resolution &&
+                            !entry.full_stored && entry.capture.record.index >= 0;
+    if (lacks_full) Fetch(view_id, true);
   }
 }
 

@@ -172,6 +172,7 @@ void MachineImpl::AdvanceOnGround() {
       if (!vehicle_.is_identified) return;
       found_flying_ = false;
       Enter(FlightState::kIdentified, vehicle_.description);
+      is_first_count_ = true;
       AskCamera();
       return;
     case FlightState::kPreflight:

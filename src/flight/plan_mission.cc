@@ -92,6 +92,7 @@ FlightMission PlanFlightMission(const FlightPath& path, const FlightSite& site,
   mission.limits.max_relative_height_m = options.max_relative_height_m;
   mission.limits.max_distance_m = options.max_distance_m;
   mission.limits.fence = Rectangle(space, options.fence_margin_m);
+  mission.limits.site = site.limits;
   return mission;
 }
 

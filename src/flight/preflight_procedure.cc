@@ -8,8 +8,8 @@ namespace colmap_ext {
 namespace {
 
 constexpr double kParameterS = 0.5;
-constexpr int kParameterTries = 6;
-constexpr double kUploadS = 1.5;  // without a request (MAVLink's own timeout)
+constexpr int kParameterTries = 12;  // a fifth of all packets may be lost, each way
+constexpr double kUploadS = 1.5;     // without a request (MAVLink's own timeout)
 constexpr double kItemS = 0.4;
 constexpr int kTries = 12;  // in a row, without progress
 
@@ -26,7 +26,7 @@ double ValueOf(const MavParamValue& value, AutopilotStack stack) {
 
 }  // namespace
 
-void PreflightProcedure::Start(const VehicleAddress& address, const std::vector<GeoPosition>& fence,
+void PreflightProcedure::Start(const VehicleAddress& address, const std::vector<FenceCorner>& fence,
                                double now_s) {
   address_ = address;
   fence_ = fence;
@@ -76,16 +76,17 @@ void PreflightProcedure::BeginUpload(double now_s) {
 }
 
 MavMissionItemInt PreflightProcedure::Item(int index) const {
-  const GeoPosition& corner = fence_[static_cast<std::size_t>(index)];
+  const FenceCorner& corner = fence_[static_cast<std::size_t>(index)];
   MavMissionItemInt item;
   item.target_system = address_.system;
   item.target_component = address_.autopilot;
   item.seq = static_cast<std::uint16_t>(index);
   item.frame = MavCoordinateFrame::kGlobal;
-  item.command = MavCmd::kNavFencePolygonVertexInclusion;
-  item.param1 = static_cast<float>(fence_.size());
-  item.x = static_cast<std::int32_t>(std::lround(corner.lat_deg * 1e7));
-  item.y = static_cast<std::int32_t>(std::lround(corner.lon_deg * 1e7));
+  item.command = corner.is_exclusion ? MavCmd::kNavFencePolygonVertexExclusion
+                                     : MavCmd::kNavFencePolygonVertexInclusion;
+  item.param1 = static_cast<float>(corner.polygon_size);
+  item.x = static_cast<std::int32_t>(std::lround(corner.place.lat_deg * 1e7));
+  item.y = static_cast<std::int32_t>(std::lround(corner.place.lon_deg * 1e7));
   item.mission_type = MavMissionType::kFence;
   return item;
 }

@@ -17,10 +17,16 @@ namespace colmap_ext {
 using PreflightMessage = std::variant<MavParamRequestRead, MavMissionCount, MavMissionItemInt,
                                       MavMissionRequestList, MavMissionRequestInt, MavMissionAck>;
 
+struct FenceCorner {
+  GeoPosition place;
+  int polygon_size = 0;  // corners of its polygon
+  bool is_exclusion = false;
+};
+
 class PreflightProcedure {
  public:
-  // `fence`: corners, degrees; empty: none is written.
-  void Start(const VehicleAddress& address, const std::vector<GeoPosition>& fence, double now_s);
+  // `fence`: the corners of one polygon after the other; empty: none is written.
+  void Start(const VehicleAddress& address, const std::vector<FenceCorner>& fence, double now_s);
   bool IsRunning() const { return phase_ != Phase::kIdle && phase_ != Phase::kDone; }
   bool IsDone() const { return phase_ == Phase::kDone; }
   void Receive(const MavFrame& frame, double now_s);
@@ -46,7 +52,7 @@ class PreflightProcedure {
 
   Phase phase_ = Phase::kIdle;
   VehicleAddress address_;
-  std::vector<GeoPosition> fence_;
+  std::vector<FenceCorner> fence_;
   std::set<std::string> wanted_;
   PreflightFacts facts_;
   std::vector<PreflightMessage> messages_;

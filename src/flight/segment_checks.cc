@@ -41,6 +41,20 @@ std::string CheckFence(const MissionLimits& limits, const Eigen::Vector2d& from,
   return "";
 }
 
+// A start outside of the limits may be left, by the shortest piece of the way that leads out.
+std::string CheckSite(const FlightLimits& site, const Eigen::Vector3d& from,
+                      const Eigen::Vector3d& to) {
+  if (site.IsEmpty()) return "";
+  constexpr double kStepM = 0.5;
+  const std::string why = site.WhyNot(to);
+  if (!why.empty()) return "the target is " + why;
+  const double length = (to - from).norm();
+  double left = 0;
+  const auto place = [&] { return left < length ? from + left / length * (to - from) : to; };
+  while (left < length && !site.Allows(place())) left += kStepM;
+  return site.AllowsSegment(place(), to, 0) ? "" : "the way leaves the flight limits of the site";
+}
+
 std::string CheckHeights(const FlightSpace& space, const Eigen::Vector3d& to) {
   const double height_m = to.z() - space.home.z();
   char text[160];
@@ -92,6 +106,7 @@ std::string CheckSegment(const FlightSpace& space, const Eigen::Vector3d& from,
                          const Eigen::Vector3d& to) {
   if (!from.allFinite() || !to.allFinite()) return "a position is not a finite number";
   std::string complaint = CheckFence(space.limits, from.head<2>(), to.head<2>());
+  if (complaint.empty()) complaint = CheckSite(space.limits.site, from, to);
   if (complaint.empty()) complaint = CheckHeights(space, to);
   if (complaint.empty()) complaint = CheckClearance(space, from, to);
   return complaint;

@@ -18,12 +18,13 @@ GeoPosition Geo(std::int32_t lat, std::int32_t lon, std::int32_t height_mm) {
   return {lat * kDegE7, lon * kDegE7, height_mm * kMilli};
 }
 
-void Take(const MavHeartbeat& message, double, VehicleState* vehicle) {
+void Take(const MavHeartbeat& message, double now_s, VehicleState* vehicle) {
   if (message.autopilot == MavAutopilot::kPx4) vehicle->stack = AutopilotStack::kPx4;
   if (message.autopilot == MavAutopilot::kArduPilot) vehicle->stack = AutopilotStack::kArduPilot;
   vehicle->is_armed = (message.base_mode & MavModeFlag::kSafetyArmed) != 0;
   vehicle->mode = ModeOf(vehicle->stack, message.custom_mode);
   vehicle->mode_name = ModeName(vehicle->stack, message.custom_mode);
+  vehicle->mode_heard_s = now_s;
 }
 
 void Take(const MavGlobalPositionInt& message, double now_s, VehicleState* vehicle) {

@@ -16,6 +16,9 @@ namespace {
 
 // Twice a second: ArduPilot returns after 4.5 s without one, and a fifth of them may be lost.
 constexpr double kHeartbeatS = 0.5;
+// The vehicle's: a command that moves it waits for the next one. Where this is not granted, it is
+// once a second.
+constexpr double kModeRateHz = 4;
 constexpr double kIntroductionS = 2;      // between rounds of questions who the vehicle is
 constexpr int kIntroductionRounds = 4;    // then it is flown without a version
 constexpr double kCameraQuestionS = 0.7;  // between questions for one picture's report
@@ -25,6 +28,25 @@ constexpr int kInternalTask = -1;
 std::string VersionText(AutopilotStack stack, std::uint32_t version) {
   return std::string(Name(stack)) + " " + std::to_string(version >> 24U) + "." +
          std::to_string(version >> 16U & 0xFFU) + "." + std::to_string(version >> 8U & 0xFFU);
+}
+
+// The mission's fence, and no-fly zones that reach from the ground up without end: a vehicle's own
+// fence knows no heights of polygons. Zones with holes are left to the daemon.
+std::vector<FenceCorner> FenceFor(const FlightMission& mission) {
+  std::vector<FenceCorner> corners;
+  const auto add = [&](const std::vector<Eigen::Vector2d>& polygon, bool is_exclusion) {
+    for (const Eigen::Vector2d& corner : polygon) {
+      corners.push_back({mission.AmslFromWorld({corner.x(), corner.y(), 0}),
+                         static_cast<int>(polygon.size()), is_exclusion});
+    }
+  };
+  add(mission.limits.fence, false);
+  for (const FlightZone& zone : mission.limits.site.zones) {
+    const bool is_plain = zone.kind == FlightZone::Kind::kExclusion && zone.rings.size() == 1 &&
+                          std::isinf(zone.min_z_m) && std::isinf(zone.max_z_m);
+    if (is_plain) add(zone.rings[0], true);
+  }
+  return corners;
 }
 
 }  // namespace
@@ -137,6 +159,7 @@ void VehicleDriver::Impl::Introduce(double now_s) {
       RequestMessage(address, address.autopilot, MavAutopilotVersion::kId),
       RequestMessage(address, address.autopilot, MavHomePosition::kId),
       SetRate(address, MavGlobalPositionInt::kId, options.position_rate_hz),
+      SetRate(address, MavHeartbeat::kId, kModeRateHz),
       SetRate(address, MavExtendedSysState::kId, 2),
       SetRate(address, MavGpsRawInt::kId, 2),
       SetRate(address, is_px4 ? MavEstimatorStatus::kId : MavEkfStatusReport::kId, 1),
@@ -246,14 +269,10 @@ void VehicleDriver::Execute(const FlightCommand& command, const FlightMission& m
                             const FlightOptions& options, double now_s) {
   Impl& driver = *impl_;
   if (command.kind == CommandKind::kPreflight) {
-    std::vector<GeoPosition> corners;
-    if (options.upload_fence) {
-      for (const Eigen::Vector2d& corner : mission.limits.fence) {
-        corners.push_back(mission.AmslFromWorld({corner.x(), corner.y(), 0}));
-      }
-    }
     driver.preflight_id = command.id;
-    driver.procedure.Start(driver.address, corners, now_s);
+    driver.procedure.Start(driver.address,
+                           options.upload_fence ? FenceFor(mission) : std::vector<FenceCorner>(),
+                           now_s);
     driver.commands.Start(
         kInternalTask, CommandKind::kPreflight,
         {RequestMessage(driver.address, driver.address.camera, MavCameraInformation::kId),
@@ -268,6 +287,13 @@ void VehicleDriver::Execute(const FlightCommand& command, const FlightMission& m
 }
 
 void VehicleDriver::CancelMotion() { impl_->commands.CancelMotion(); }
+
+void VehicleDriver::ReleaseMotion(double now_s) {
+  impl_->commands.ReleaseMotion(impl_->vehicle.mode_heard_s, now_s);
+  impl_->Pump();
+}
+
+void VehicleDriver::Send(const MavFileTransferProtocol& message) { impl_->Send(message); }
 
 void VehicleDriver::Tick(double now_s) {
   Impl& driver = *impl_;

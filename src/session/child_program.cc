@@ -47,9 +47,11 @@ void ChildProgram::FailWithLastLine() const {
   throw Error(name_ + " ended: " + reason + " (all of it: " + log_path_.string() + ")");
 }
 
-std::string ChildProgram::WaitForLine(const std::string& beginning, double timeout_s) const {
+std::string ChildProgram::WaitForLine(const std::string& beginning, double timeout_s,
+                                      const JobControl& job) const {
   constexpr double kPollS = 0.02;
   for (double waited_s = 0; waited_s < timeout_s; waited_s += kPollS) {
+    job.ThrowIfCancelled();
     const bool has_ended = has_ended_;
     const std::string text = ReadFile(log_path_);
     std::istringstream stream(text.substr(0, text.rfind('\n') + 1));

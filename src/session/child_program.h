@@ -24,8 +24,9 @@ class ChildProgram {
   // Why it ended: its last line. Throws Error naming the program.
   [[noreturn]] void FailWithLastLine() const;
   // The first whole line that begins with `beginning`, waiting for it at most `timeout_s`. Throws
-  // Error when the program ends before, or in that time says no such line.
-  std::string WaitForLine(const std::string& beginning, double timeout_s) const;
+  // Error when the program ends before, or in that time says no such line; CancelledError.
+  std::string WaitForLine(const std::string& beginning, double timeout_s,
+                          const JobControl& job) const;
 
  private:
   void Run(std::vector<std::string> arguments);

@@ -7,7 +7,6 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -33,6 +32,7 @@ class FlownCapture {
   // it.
   FlownCapture(const SessionInputs& inputs, const StageOptions& options, const Workspace& workspace,
                double site_top_m, const JobControl& job);
+  // A vehicle that this session's own daemon has in the air is sent home first, and waited for.
   ~FlownCapture();
   FlownCapture(const FlownCapture&) = delete;
   FlownCapture& operator=(const FlownCapture&) = delete;
@@ -52,33 +52,39 @@ class FlownCapture {
  private:
   void StartDrone(const JobControl& job);
   void StartDaemon(const JobControl& job);
+  void RequireChildren() const;
+  Json Status() const;
   Json WaitFor(const std::string& what, const std::function<bool(const Json&)>& is_there,
                double timeout_s, const JobControl& job);
   Json WaitForVehicle(const JobControl& job);
-  void Begin(const FlightMission& mission, const Json& status);
-  void Start(const JobControl& job);
+  Json WaitForOlderFlight(const JobControl& job);
+  void Begin(FlightMission mission, const Json& status);
+  void Start(const Json& status, const JobControl& job);
   // False: the flight is over.
   bool Follow(const Json& status, const JobControl& job);
-  void TakeTruePoses(const Json& status) const;
+  void WarnWhereItWaits(const Json& status, const JobControl& job);
+  void ResumeSimulation(double waited_s, const JobControl& job);
+  void TakePoses(const Json& status) const;
+  void WarnOfMissingPhotos(const Json& status, const JobControl& job) const;
   void SwapBattery() const;
-  void AskPerson() const;
+  void AskPerson(const Json& status) const;
 
   const SessionInputs& inputs_;
   const StageOptions& options_;
   const Workspace& workspace_;
+  const JobControl& job_;
   double site_top_m_;
   bool is_simulated_;
   int link_port_ = 0;
   int drone_port_ = 0;  // HTTP
-  std::filesystem::path drone_path_;
   std::unique_ptr<ChildProgram> drone_, daemon_;
   std::optional<FlightClient> client_;
+  FlightMission mission_;  // of the present task
   std::string last_state_;
   std::chrono::steady_clock::time_point waiting_since_;
+  int resumes_ = 0;
   int starts_without_photo_ = 0;
   int photos_at_start_ = 0;
-  int last_stored_ = -1;
-  std::set<std::string> earlier_photos_;  // of another run of the simulated drone
 };
 
 }  // namespace colmap_ext

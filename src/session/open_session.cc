@@ -46,7 +46,7 @@ Session OpenSession(const SessionInputs& inputs, const StageOptions& options) {
 }
 
 fs::path PhotoFolder(const Session& session) {
-  return session.inputs.IsSimulation() ? session.workspace.images() : session.inputs.image_path;
+  return session.inputs.image_path.empty() ? session.workspace.images() : session.inputs.image_path;
 }
 
 bool IsFinished(const Session& session) {

@@ -1,5 +1,6 @@
 #include <initializer_list>
 
+#include "colmap_ext/mavlink/link.h"
 #include "colmap_ext/session/presets.h"
 #include "colmap_ext/session/session_options.h"
 #include "colmap_ext/util/error.h"
@@ -13,7 +14,8 @@ std::string SessionOptions::Check() const {
     return "Session.target_covered_ratio must be above 0 and at most 1";
   }
   if (max_image_size_px < 160) return "Session.max_image_size_px must be at least 160";
-  if (vehicle.empty()) return "Session.vehicle must be embedded, simulated or a connection";
+  if (vehicle.empty()) return "Session.vehicle must be simulated, embedded or a connection";
+  if (IsRealVehicle()) ParseMavLinkUrl(vehicle);  // throws UsageError
   if (personality != "px4" && personality != "ardupilot") {
     return "Session.personality must be px4 or ardupilot";
   }
@@ -52,8 +54,8 @@ void BindOptions(OptionSet& set, StageOptions* options) {
   set.Add("Session", "full_resolution", &session.full_resolution,
           "also photos at full resolution, in images_full/");
   set.Add("Session", "vehicle", &session.vehicle,
-          "embedded (renderer only), simulated (flight daemon and drone as processes) or the "
-          "connection of a real vehicle, udpin://0.0.0.0:14550 …");
+          "simulated (flight daemon and drone as processes), embedded (only the renderer) or, with "
+          "--image_path, the connection of a real vehicle, udpin://0.0.0.0:14550 …");
   set.Add("Session", "personality", &session.personality,
           "of the simulated drone: px4 or ardupilot");
   set.Add("Session", "simulation_speed", &session.simulation_speed,

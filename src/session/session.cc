@@ -141,6 +141,14 @@ SparseUpdateInput SimulatedInput(const SimulatedSite& site, const Session& sessi
   return input;
 }
 
+// What the iteration before found out about the place.
+void AddKnownSite(const Session& session, FlightSite* site) {
+  const IterationFiles before{session.workspace.iteration(session.state.iterations_done - 1)};
+  site->frame = ReadWorldFrame(before.frame_json());
+  site->surface_path = fs::absolute(before.surface_ply());
+  site->box = BoundsOf(ReadMesh(before.surface_ply()));
+}
+
 // Where the vehicle flies, and what it has to keep away from: the surface of the iteration before,
 // or, at the first flight, nothing that is known but the straight lines that a person vouches for.
 FlightTask TaskFor(const std::vector<Waypoint>& waypoints, const SparseUpdateInput& input,
@@ -152,11 +160,10 @@ FlightTask TaskFor(const std::vector<Waypoint>& waypoints, const SparseUpdateInp
   task.site.safe_distance_m = session.options.path.safe_distance_m;
   task.site.speed_m_s = session.options.path.speed_m_s;
   task.site.full_resolution = session.options.session.full_resolution;
-  if (session.state.iterations_done == 0) return task;
-  const IterationFiles before{session.workspace.iteration(session.state.iterations_done - 1)};
-  task.site.frame = ReadWorldFrame(before.frame_json());
-  task.site.surface_path = fs::absolute(before.surface_ply());
-  task.site.box = BoundsOf(ReadMesh(before.surface_ply()));
+  if (session.state.iterations_done > 0) AddKnownSite(session, &task.site);
+  PathOptions path = session.options.path;
+  ReadZones(task.site.frame, &path);
+  task.site.limits = path.limits;
   return task;
 }
 
@@ -171,6 +178,7 @@ void FlyAndPrepare(const std::vector<Waypoint>& waypoints, const IterationContex
         if (photos - prepared < kBatch) return;
         prepared = photos;
         ExtractNewFeatures(context.sparse, session.options.sparse, JobControl());
+        job.Info("  features of the first " + std::to_string(photos) + " photos, in flight");
       },
       job);
 }
@@ -229,13 +237,48 @@ void ImportProject(const Session& session) {
   CommitTemporaryFile(temporary, session.workspace.database());
 }
 
+SparseUpdateInput PhotosInput(const Session& session) {
+  SparseUpdateInput input;
+  input.colmap_path = session.inputs.colmap_path;
+  input.image_path = PhotoFolder(session);
+  input.database_path = session.workspace.database();
+  input.work_path = session.workspace.logs();
+  if (!session.inputs.geo_path.empty()) {
+    input.geo_position_of_photo = ReadGeoFile(session.inputs.geo_path);
+  }
+  if (!session.inputs.pose_prior_path.empty()) {
+    input.local_position_of_photo = ReadPosePriorFile(session.inputs.pose_prior_path);
+  }
+  return input;
+}
+
+// How many photos there are. Throws Error when there is none.
+int RequirePhotos(const fs::path& folder) {
+  const auto photos = static_cast<int>(ListPhotos(folder).size());
+  if (photos == 0) {
+    throw Error(folder.string() + ": no photo in this folder (.jpg, .png or .tif)");
+  }
+  return photos;
+}
+
+// One iteration over the photos that are in the session's folder.
+void IterateOnPhotos(StereoMemory* stereo_memory, const Listeners& listeners, Session* session) {
+  IterationContext context{session->workspace, &session->options, {}, {}, {}, nullptr};
+  context.observer = listeners.observer;
+  context.stereo_memory = stereo_memory;
+  context.sparse = PhotosInput(*session);
+  context.initial_model_path = session->inputs.sparse_path;
+  const SeenInputs seen = LookAtInputs(*session);
+  const IterationResult result = RunIteration(context, &session->state, listeners.job);
+  FinishIteration(result, seen, listeners, session);
+  if (!result.planning_refusal.empty()) {
+    throw Error("coverage is written, but no flight was planned: " + result.planning_refusal);
+  }
+}
+
 SessionSummary RunOnPhotos(Session session, const Listeners& listeners) {
   const JobControl& job = listeners.job;
-  const auto photos = static_cast<int>(ListPhotos(session.inputs.image_path).size());
-  if (photos == 0) {
-    throw Error(session.inputs.image_path.string() +
-                ": no photo in this folder (.jpg, .png or .tif)");
-  }
+  const int photos = RequirePhotos(session.inputs.image_path);
   if (!HasNewPhotos(session)) {
     job.Info("No new photos since the last iteration.");
     return session.summary;
@@ -243,23 +286,60 @@ SessionSummary RunOnPhotos(Session session, const Listeners& listeners) {
   AnnounceIteration(session, job);
   BeginIteration(session, std::max(0, photos - PhotosBefore(session)), job);
   ImportProject(session);
-  const SeenInputs seen = LookAtInputs(session);
-  IterationContext context{session.workspace, &session.options, {}, {}, {}, nullptr};
-  context.observer = listeners.observer;
-  context.sparse.colmap_path = session.inputs.colmap_path;
-  context.sparse.image_path = session.inputs.image_path;
-  context.initial_model_path = session.inputs.sparse_path;
-  if (!session.inputs.geo_path.empty()) {
-    context.sparse.geo_position_of_photo = ReadGeoFile(session.inputs.geo_path);
+  IterateOnPhotos(nullptr, listeners, &session);
+  return session.summary;
+}
+
+// A person's photos beside those that the vehicle takes; the originals are never touched. From here
+// on the session's photos are the workspace's.
+void TakePersonsPhotos(Session* session) {
+  const fs::path from = session->inputs.image_path, to = session->workspace.images();
+  RequirePhotos(from);
+  const std::string own = SimulatedSite::PhotoName(0).substr(0, 5);
+  for (const std::string& name : ListPhotos(from)) {
+    if (fs::exists(to / name)) continue;
+    if (name.starts_with(own)) {
+      throw Error((from / name).string() + ": photos named " + own +
+                  "… are the vehicle's own; give this one another name");
+    }
+    WriteFileAtomically(to / name, ReadFile(from / name));
   }
-  if (!session.inputs.pose_prior_path.empty()) {
-    context.sparse.local_position_of_photo = ReadPosePriorFile(session.inputs.pose_prior_path);
+  session->inputs.image_path.clear();
+}
+
+int CountPhotos(const Session& session) {
+  return static_cast<int>(ListPhotos(PhotoFolder(session)).size());
+}
+
+// After a person's photos a real vehicle takes the next ones.
+SessionSummary RunWithVehicle(Session session, const Listeners& listeners) {
+  const JobControl& job = listeners.job;
+  if (IsFinished(session) && CountPhotos(session) <= PhotosBefore(session)) {
+    job.Info("This session is finished (" + session.state.finished + ").");
+    return session.summary;
   }
-  const IterationResult result = RunIteration(context, &session.state, job);
-  FinishIteration(result, seen, listeners, &session);
-  if (!result.planning_refusal.empty()) {
-    throw Error("coverage is written, but no flight was planned: " + result.planning_refusal);
+  session.state.finished.clear();
+  ImportProject(session);
+  StereoMemory stereo_memory;
+  std::unique_ptr<FlownCapture> vehicle;
+  while (session.state.finished.empty()) {
+    AnnounceIteration(session, job);
+    BeginIteration(session, std::max(0, CountPhotos(session) - PhotosBefore(session)), job);
+    if (session.state.iterations_done > 0) {
+      if (!vehicle) {
+        vehicle = std::make_unique<FlownCapture>(session.inputs, session.options, session.workspace,
+                                                 0, job);
+      }
+      IterationContext context{session.workspace, &session.options, {}, {}, {}, nullptr};
+      context.sparse = PhotosInput(session);
+      FlyAndPrepare(FlightOfIteration(session, {}).waypoints, context, session, vehicle.get(), job);
+      if (CountPhotos(session) <= PhotosBefore(session)) {
+        throw Error("the flight brought no photo");
+      }
+    }
+    IterateOnPhotos(&stereo_memory, listeners, &session);
   }
+  if (vehicle) vehicle->Finish(job);
   return session.summary;
 }
 
@@ -291,12 +371,20 @@ SessionSummary RunSession(const SessionInputs& inputs, const StageOptions& optio
   ThrowIfInvalid(options.Check());
   const ColmapProgram colmap(inputs.colmap_path);  // complains before any work is done
   job.Debug("colmap: " + colmap.path().string());
+  const bool is_flown = options.session.IsRealVehicle();
+  if (inputs.IsSimulation() && is_flown) {
+    throw UsageError("--Session.vehicle " + options.session.vehicle +
+                     ": a real vehicle photographs a real site: give --image_path with the first "
+                     "photos instead of a scene");
+  }
   RequireWritableFolder(inputs.workspace_path, "workspace");
   Session session = OpenSession(inputs, options);
+  if (is_flown) TakePersonsPhotos(&session);
   const InputChanges changes = ChangesSinceLastIteration(session);
   for (const std::string& warning : changes.warnings) job.Warn(warning);
   for (const std::string& note : changes.notes) job.Info(note);
   const Listeners listeners{job, observer};
+  if (is_flown) return RunWithVehicle(std::move(session), listeners);
   return inputs.IsSimulation() ? RunSimulation(std::move(session), listeners)
                                : RunOnPhotos(std::move(session), listeners);
 }

@@ -12,6 +12,8 @@
 #include <thread>
 
 #include "colmap_ext/flight/flight_client.h"
+#include "colmap_ext/util/file_lock.h"
+#include "colmap_ext/util/files.h"
 #include "flight/api_call.h"
 #include "flight/api_server.h"
 #include "scene/test_folder.h"
@@ -203,6 +205,7 @@ TEST_F(Server, ListensOnLoopbackOnly) {
 TEST(DaemonAddress, ComesBackAndIsPrivate) {
   const TestFolder folder;
   WriteDaemonAddress({4711, static_cast<int>(getpid()), "secret"}, folder.path());
+  auto lock = std::make_unique<FileLock>(DaemonLockPath(folder.path()), "busy");
   const auto address = FindDaemon(folder.path());
   ASSERT_TRUE(address);
   EXPECT_EQ(address->port, 4711);
@@ -210,8 +213,9 @@ TEST(DaemonAddress, ComesBackAndIsPrivate) {
   using std::filesystem::perms;
   const perms mode = std::filesystem::status(DaemonAddressPath(folder.path())).permissions();
   EXPECT_EQ(mode & (perms::group_all | perms::others_all), perms::none);
-  WriteDaemonAddress({4711, 1 << 22, "secret"}, folder.path());
-  EXPECT_FALSE(FindDaemon(folder.path())) << "the process is gone";
+  lock.reset();
+  WriteFileAtomically(DaemonLockPath(folder.path()), "");  // as a killed one leaves it
+  EXPECT_FALSE(FindDaemon(folder.path())) << "its daemon is gone, whoever has that number now";
 }
 
 }  // namespace

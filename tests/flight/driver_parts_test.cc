@@ -39,6 +39,7 @@ TEST(CommandSender, RepeatsWithAGrowingConfirmationAndGivesUp) {
   std::vector<int> confirmations;
   for (double now = 0; now < 3; now += 0.1) {
     sender.Tick(now);
+    sender.ReleaseMotion(now, now);
     for (const auto& message : sender.TakeMessages()) {
       confirmations.push_back(std::get<MavCommandLong>(message).confirmation);
     }
@@ -53,10 +54,12 @@ TEST(CommandSender, StepsFollowEachOther) {
   CommandSender sender;
   sender.Start(1, CommandKind::kGoTo, {Step(MavCmd::kDoReposition), Step(MavCmd::kConditionYaw)},
                0);
+  sender.ReleaseMotion(0, 0);
   EXPECT_EQ(sender.TakeMessages().size(), 1U);
   sender.OnAck(Ack(MavCmd::kConditionYaw, MavResult::kAccepted), 0.1);
   EXPECT_TRUE(sender.TakeMessages().empty()) << "an answer to something else";
   sender.OnAck(Ack(MavCmd::kDoReposition, MavResult::kAccepted), 0.1);
+  sender.ReleaseMotion(0.1, 0.1);
   EXPECT_EQ(sender.TakeMessages().size(), 1U);
   EXPECT_TRUE(sender.TakeResults().empty());
   sender.OnAck(Ack(MavCmd::kConditionYaw, MavResult::kAccepted), 0.2);
@@ -70,6 +73,7 @@ TEST(CommandSender, TheSameCommandNumberWaits) {
   EXPECT_EQ(sender.TakeMessages().size(), 1U);
   sender.OnAck(Ack(MavCmd::kDoSetMode, MavResult::kFailed), 0.1);
   EXPECT_EQ(sender.TakeResults().at(0).outcome, CommandOutcome::kRejected);
+  sender.ReleaseMotion(0.1, 0.1);
   EXPECT_EQ(sender.TakeMessages().size(), 1U) << "now the second";
 }
 
@@ -91,8 +95,9 @@ TEST(CommandSender, OnlyTheLastWordOnTheWayIsRepeated) {
   CommandSender sender;
   sender.Start(1, CommandKind::kGuided, {Step(MavCmd::kDoSetMode)}, 0);
   sender.Start(2, CommandKind::kTakeoff, {Step(MavCmd::kNavTakeoff)}, 0.1);
+  sender.ReleaseMotion(0.1, 0.1);
   sender.TakeMessages();
-  sender.Tick(5);
+  sender.ReleaseMotion(5, 5);
   const auto messages = sender.TakeMessages();
   ASSERT_EQ(messages.size(), 1U);
   EXPECT_EQ(std::get<MavCommandLong>(messages[0]).command, MavCmd::kNavTakeoff);
@@ -101,9 +106,10 @@ TEST(CommandSender, OnlyTheLastWordOnTheWayIsRepeated) {
 TEST(CommandSender, InProgressWaitsLonger) {
   CommandSender sender;
   sender.Start(1, CommandKind::kArm, {Step(MavCmd::kComponentArmDisarm)}, 0);
+  sender.ReleaseMotion(0, 0);
   sender.TakeMessages();
   sender.OnAck(Ack(MavCmd::kComponentArmDisarm, MavResult::kInProgress), 0.1);
-  sender.Tick(2);
+  sender.ReleaseMotion(2, 2);
   EXPECT_TRUE(sender.TakeMessages().empty());
 }
 
@@ -114,9 +120,26 @@ TEST(CommandSender, CancelledMotionIsNotRepeated) {
   sender.TakeMessages();
   sender.CancelMotion();
   sender.Tick(10);
+  sender.ReleaseMotion(10, 10);
   const auto messages = sender.TakeMessages();
   ASSERT_EQ(messages.size(), 1U);
   EXPECT_EQ(std::get<MavCommandLong>(messages[0]).command, MavCmd::kRequestMessage);
+}
+
+TEST(CommandSender, MotionWaitsForAModeThatWasHeardAfterTheWish) {
+  CommandSender sender;
+  sender.Start(1, CommandKind::kGoTo, {Step(MavCmd::kDoReposition)}, 1);
+  sender.Start(2, CommandKind::kCapture, {Step(MavCmd::kImageStartCapture)}, 1);
+  ASSERT_EQ(sender.TakeMessages().size(), 1U) << "a picture moves nothing";
+  sender.OnAck(Ack(MavCmd::kImageStartCapture, MavResult::kAccepted), 1.05);
+  sender.ReleaseMotion(0.9, 1.1);
+  EXPECT_TRUE(sender.TakeMessages().empty()) << "who knows what the mode is since";
+  sender.ReleaseMotion(1.2, 1.2);
+  EXPECT_EQ(sender.TakeMessages().size(), 1U);
+  sender.ReleaseMotion(1.3, 3);
+  EXPECT_TRUE(sender.TakeMessages().empty()) << "nor is it repeated without asking";
+  sender.ReleaseMotion(3, 3);
+  EXPECT_EQ(sender.TakeMessages().size(), 1U);
 }
 
 TEST(DaemonClock, FollowsTheWallWithoutASimulator) {

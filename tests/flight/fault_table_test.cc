@@ -121,8 +121,8 @@ TEST_P(FaultTable, EveryStateEndsWell) {
     const bool obeys_nobody =
         GetParam().fault == Fault::kPilot || GetParam().fault == Fault::kDaemonKilled;
     Inject(flight.get());
-    // The heartbeat that tells the mode comes once a second.
-    flight->Run(1.5);
+    // A report that was on its way before the switch may release one command.
+    flight->Run(0.1);
     const int commands = flight->truth().motion_commands;
     LiveWith(flight.get());
     ExpectGoodEnd(*flight);
@@ -143,6 +143,37 @@ TEST_P(FaultTable, EveryStateEndsWell) {
     }
   }
 }
+
+class PilotTakesOver : public ::testing::TestWithParam<AutopilotPersonality> {};
+
+// At every state, and at many moments of it: from the switch on, no command that moves anything.
+TEST_P(PilotTakesOver, NothingIsCommandedFromThatMomentOn) {
+  for (const FlightState state : kStates) {
+    for (int delay = 1; delay <= 60; delay += 7) {
+      SCOPED_TRACE(std::string(Name(state)) + " + " + std::to_string(0.02 * delay) + " s");
+      FlightHarness::Options options;
+      options.personality = GetParam();
+      FlightHarness flight(options);
+      flight.Begin(MissionAround(2));
+      ASSERT_TRUE(flight.RunUntilState(300, state));
+      flight.Run(0.02 * delay);
+      const int commands = flight.truth().motion_commands;
+      flight.drone().PilotSwitch(GetParam() == AutopilotPersonality::kPx4 ? "POSCTL" : "LOITER");
+      flight.Run(12);
+      ASSERT_EQ(flight.truth().motion_commands, commands) << flight.Describe();
+      if (flight.truth().is_armed) {
+        EXPECT_EQ(flight.state(), FlightState::kPilotOverride) << flight.Describe();
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Stacks, PilotTakesOver,
+                         ::testing::Values(AutopilotPersonality::kPx4,
+                                           AutopilotPersonality::kArduPilot),
+                         [](const auto& info) {
+                           return info.param == AutopilotPersonality::kPx4 ? "Px4" : "ArduPilot";
+                         });
 
 std::vector<Case> AllCases() {
   std::vector<Case> cases;

@@ -1,8 +1,10 @@
-// What comes over HTTP on this machine: calls of the flight daemon and of the page.
+// What comes over HTTP on this machine: calls of the flight daemon and of the page; and what the
+// daemon reads back of its own.
 #include <array>
 #include <filesystem>
 #include <string>
 
+#include "colmap_ext/flight/flight_journal.h"
 #include "colmap_ext/util/error.h"
 #include "flight/api_call.h"
 #include "fuzz/targets.h"
@@ -37,6 +39,19 @@ void FuzzDaemonApi(std::span<const std::uint8_t> bytes) {
     Promise(origin.empty(), "nothing is done for a web page");
   } catch (const ApiError& error) {
     Promise(error.status() >= 400 && error.status() < 500, "a refusal is the caller's fault");
+  }
+}
+
+void FuzzFlightJournal(std::span<const std::uint8_t> bytes) {
+  const std::string text(bytes.begin(), bytes.end());
+  std::size_t whole = 0;
+  try {
+    const FlightLedger ledger = ReplayJournal(text, "journal", &whole);
+    Promise(whole <= text.size(), "no more was read than there is");
+    const FlightLedger again = ReplayJournal(text.substr(0, whole), "journal");
+    Promise(again.views.size() == ledger.views.size() && again.flights == ledger.flights,
+            "a line without end counts for nothing");
+  } catch (const Error&) {
   }
 }
 

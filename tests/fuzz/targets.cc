@@ -30,6 +30,7 @@ std::vector<FuzzTarget> AllFuzzTargets() {
           {"ini", FuzzIni, kOfFiles},
           {"workspace_json", FuzzWorkspaceJson, kOfFiles},
           {"capture_journal", FuzzCaptureJournal, kOfFiles},
+          {"flight_journal", FuzzFlightJournal},
           {"daemon_api", FuzzDaemonApi},
           {"page_requests", FuzzPageRequests}};
 }

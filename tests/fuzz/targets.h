@@ -42,6 +42,7 @@ void FuzzWorkspaceJson(std::span<const std::uint8_t> bytes);
 void FuzzCaptureJournal(std::span<const std::uint8_t> bytes);
 // request_targets.cc
 void FuzzDaemonApi(std::span<const std::uint8_t> bytes);
+void FuzzFlightJournal(std::span<const std::uint8_t> bytes);
 void FuzzPageRequests(std::span<const std::uint8_t> bytes);
 
 }  // namespace colmap_ext

@@ -12,7 +12,7 @@
 
 #include "colmap_ext/scene/workspace.h"
 #include "colmap_ext/util/files.h"
-#include "program.h"
+#include "orbit_photos.h"
 
 namespace colmap_ext {
 namespace {
@@ -34,6 +34,8 @@ class SimulatedCapture : public ProgramTest {
             "2",
             "--InitialFlight.num_views",
             "28",
+            "--Session.vehicle",
+            "embedded",
             "--Session.pictures",
             "0"};
   }
@@ -122,29 +124,8 @@ TEST_F(SimulatedCapture, KilledSessionEndsWithTheSameResult) {
   }
 }
 
-class OwnPhotos : public ProgramTest {
+class OwnPhotos : public OrbitPhotos {
  protected:
-  // Renders `count` photos of an orbit around the boxes, from `first` on, with GPS in their EXIF.
-  void RenderOrbit(const fs::path& folder, int first, int count) const {
-    std::string poses;
-    for (int i = first; i < first + count; ++i) {
-      const double angle = 2.0 * M_PI * i / 24.0;
-      char line[160];
-      std::snprintf(line, sizeof line, "orbit_%02d.jpg %.4f %.4f 2.1 %.3f -32\n", i,
-                    2.6 * std::sin(angle), 2.6 * std::cos(angle), angle * 180.0 / M_PI + 180.0);
-      poses += line;
-    }
-    WriteFileAtomically(folder_ / "poses.txt", poses);
-    const ChildProcessResult result = Run(
-        {"scene_renderer", "--scene", "boxes", "--pose_list_path", (folder_ / "poses.txt").string(),
-         "--output_path", (folder_ / "render").string(), "--Simulation.gps_noise_m", "0.01"});
-    ASSERT_EQ(result.exit_code, 0) << result.output;
-    fs::create_directories(folder);
-    for (const std::string& name : ListPhotos(folder_ / "render" / "images")) {
-      fs::rename(folder_ / "render" / "images" / name, folder / name);
-    }
-  }
-
   std::vector<std::string> Arguments(const fs::path& photos) const {
     return {"active_capture", "--workspace_path",   (folder_ / "w").string(),
             "--image_path",   photos.string(),      "--preset",

@@ -69,7 +69,7 @@ run_loop() {
   step "active_capture, 2 iterations"
   quietly "$program" active_capture --workspace_path "$work/session" --scene boxes \
     --colmap_path "$colmap" --Session.max_iterations 2 --InitialFlight.num_views 28 \
-    --Session.pictures 0
+    --Session.pictures 0 --Session.vehicle embedded
   grep -E "registered|georegistered|covered" "$work/last.log" | tail -n 8 || true
   local iteration count
   for iteration in "$work"/session/iterations/*/; do

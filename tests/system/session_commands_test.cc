@@ -24,6 +24,8 @@ class SessionCommands : public ProgramTest {
                                           (folder_ / "w").string(),
                                           "--scene",
                                           "boxes",
+                                          "--Session.vehicle",
+                                          "embedded",
                                           "--InitialFlight.num_views",
                                           "24",
                                           "--Session.pictures",

@@ -34,6 +34,8 @@ class FlightController {
   void OnFetchFailed(int view_id, bool full_resolution, const std::string& reason, double now_s);
   // At least ten times a second.
   void Tick(double now_s);
+  // A packet of a picture's transfer.
+  void Send(const MavFileTransferProtocol& message, double now_s);
   ControllerOutput TakeOutput();
 
   const MissionMachine& machine() const { return machine_; }

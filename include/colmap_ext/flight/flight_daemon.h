@@ -16,8 +16,9 @@ struct DaemonOptions {
   std::string connection = "udpin://0.0.0.0:14550";  // see ParseMavLinkUrl
   std::filesystem::path signing_key_file;            // empty: nothing is signed
   int api_port = 0;                                  // 0: any free one; flightd.json says which
-  // Where the camera's pictures are: a URL in which {index}, {index5} (five digits) and
-  // {resolution} (low, full) are replaced. Empty: what the camera's reports say.
+  // Where the camera's pictures are: a URL, http: or mftp: (MAVLink FTP), in which {index},
+  // {index5} (five digits) and {resolution} (low, full) are replaced. Empty: what the camera's
+  // reports say.
   std::string picture_url;
   // A folder in which somebody else puts the pictures; matched by time and index. Empty: none.
   std::filesystem::path capture_folder;

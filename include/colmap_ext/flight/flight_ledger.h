@@ -62,6 +62,8 @@ struct FlightLedger {
 //   stored  {view, resolution, file, sha256}       the file is in the workspace
 //   failed  {view, reason}                         a view is given up
 //   retry   {view}                                 a view that was given up is pending again
+//   new_camera                                     it began to count anew: what was taken and not
+//                                                  stored is pending again
 //   state   {from, to, reason}
 // Throws Error for a record whose fields are missing or wrong; unknown types are skipped.
 void ApplyRecord(const JsonNode& record, FlightLedger* ledger);

@@ -9,6 +9,7 @@
 
 #include "colmap_ext/geom/geodesy.h"
 #include "colmap_ext/geom/transforms.h"
+#include "colmap_ext/scene/flight_limits.h"
 #include "colmap_ext/scene/json_file.h"
 
 namespace colmap_ext {
@@ -26,6 +27,9 @@ struct MissionLimits {
   double max_relative_height_m = 120;  // above home; 120 m is the law in the EU and the US
   double max_distance_m = 500;         // from home, horizontally
   std::vector<Eigen::Vector2d> fence;  // inclusion polygon, world x and y, metres; empty: none
+  // Geofence, no-fly zones and altitudes of the site (z of the world). A mission with a stop, or a
+  // way between two stops, outside of them is refused.
+  FlightLimits site;
 };
 
 enum class AtEnd { kHold, kReturn, kLand };

@@ -8,6 +8,7 @@
 
 #include "colmap_ext/flight/flight_mission.h"
 #include "colmap_ext/geom/mesh.h"
+#include "colmap_ext/scene/flight_limits.h"
 #include "colmap_ext/scene/view_plan.h"
 #include "colmap_ext/scene/world_frame.h"
 #include "colmap_ext/util/options.h"
@@ -36,6 +37,7 @@ struct FlightSite {
   WorldFrame frame;
   BoundingBox box;                     // of what is there, world; the surface or the region
   std::filesystem::path surface_path;  // see FlightMission
+  FlightLimits limits;                 // geofence, no-fly zones, altitudes
   double safe_distance_m = 5;          // that `path` keeps
   double speed_m_s = 3;
   std::optional<Eigen::Vector3d> home;  // world, where it is known

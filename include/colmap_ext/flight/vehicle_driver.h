@@ -51,6 +51,11 @@ class VehicleDriver {
   void Execute(const FlightCommand& command, const FlightMission& mission,
                const FlightOptions& options, double now_s);
   void CancelMotion();
+  // Sends what moves the vehicle, where its mode was heard later than the wish. To be called when
+  // the mode that it is in was judged.
+  void ReleaseMotion(double now_s);
+  // A packet of a file's transfer, numbered among the others.
+  void Send(const MavFileTransferProtocol& message);
   // Heartbeat once a second, repetitions, timeouts. At least ten times a second.
   void Tick(double now_s);
 

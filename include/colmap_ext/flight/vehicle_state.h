@@ -43,6 +43,7 @@ struct VehicleState {
   bool is_armed = false;
   VehicleMode mode = VehicleMode::kUnknown;
   std::string mode_name;
+  double mode_heard_s = -std::numeric_limits<double>::infinity();
   LandedState landed = LandedState::kUnknown;
 
   // Heights above mean sea level. Absent until the vehicle told.

@@ -14,7 +14,9 @@ struct DaemonAddress {
   std::string token;  // needed by every request; the file is readable for its owner only
 };
 std::filesystem::path DaemonAddressPath(const std::filesystem::path& workspace_path);
-// nullopt: there is no file, or the process that wrote it is gone. Throws Error for a damaged file.
+// A daemon holds this lock (util/file_lock.h) as long as it lives.
+std::filesystem::path DaemonLockPath(const std::filesystem::path& workspace_path);
+// nullopt: there is no file, or the daemon that wrote it is gone. Throws Error for a damaged file.
 std::optional<DaemonAddress> FindDaemon(const std::filesystem::path& workspace_path);
 void WriteDaemonAddress(const DaemonAddress& address, const std::filesystem::path& workspace_path);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,9 @@ struct SessionInputs {
   std::string picture_url;
   std::filesystem::path capture_folder;
   bool yes = false;  // do not ask before it arms
+  // Asks a person, who sees this checklist, whether the vehicle may arm. Without it (and without
+  // `yes`) no real vehicle starts.
+  std::function<bool(const std::string& checklist)> confirm;
 
   // Throws UsageError for a combination that makes no sense, Error for a folder that is not there.
   void Check() const;
@@ -41,8 +45,10 @@ struct SessionInputs {
 //
 // Simulation: flies the first rectangle, then iterates until no reachable iso-point is uncovered or
 // a limit is met. A person's photos: one iteration over the photos that are there; called again
-// when there are new ones, one more. Each finished iteration is on disk (iterations/NNN,
-// summary.json, report/) before the next begins. Returns the summary of all iterations.
+// when there are new ones, one more. A person's photos and a real vehicle: they are copied into the
+// workspace, and the vehicle adds its own until the same end as in simulation. Each finished
+// iteration is on disk (iterations/NNN, summary.json, report/) before the next begins. Returns the
+// summary of all iterations.
 //
 // Throws Error when a stage cannot do its work, or, after coverage was written, when no flight can
 // be planned because the world is not metric.

@@ -41,13 +41,14 @@ struct SessionOptions {
   // Write meshes/ and dense/ (COLMAP's depth and normal maps) of every iteration: 5 MB a photo.
   bool dense_output = false;
   bool full_resolution = false;  // also photos at full resolution, in images_full/
-  // Who takes the photos of a simulated session, or flies after a person's photos: "embedded" (the
-  // renderer in this process, without a flight), "simulated" (daemon and simulated drone as child
-  // processes), or a connection to a real vehicle (docs/flying.md).
-  std::string vehicle = "embedded";
+  // Who takes the photos of a simulated session: "simulated" (flight daemon and simulated drone as
+  // child processes) or "embedded" (the renderer in this process, without a flight). Anything else
+  // is the connection of a real vehicle, which flies after a person's photos (docs/flying.md).
+  std::string vehicle = "simulated";
   std::string personality = "px4";  // of the simulated drone: px4 or ardupilot
   double simulation_speed = 10;     // simulated seconds in one of the wall's, [0.1, 100]
 
+  bool IsRealVehicle() const { return vehicle != "simulated" && vehicle != "embedded"; }
   std::string Check() const;
 };
 

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <boost/asio/ip/udp.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <utility>
 #include <vector>
@@ -19,14 +18,11 @@ using Clock = std::chrono::steady_clock;
 // A vehicle whose camera speaks from a port of its own is two peers.
 constexpr std::size_t kMaxPeers = 8;
 constexpr std::chrono::seconds kPeerLifetime{10};
-// Between two looks at the socket where few packets come: waking up costs more than a packet does.
-constexpr std::chrono::milliseconds kPause{8};
-constexpr int kManyAtOnce = 8;
 
 class UdpTransport : public MavTransport {
  public:
   UdpTransport(boost::asio::io_context* io, const MavLinkUrl& url)
-      : MavTransport(io, url), socket_(*io), pause_(*io) {}
+      : MavTransport(io, url), socket_(*io) {}
 
   void Send(std::span<const std::uint8_t> bytes) override {
     if (!socket_.is_open()) return;
@@ -72,7 +68,6 @@ class UdpTransport : public MavTransport {
   void CloseSocket() override {
     boost::system::error_code ignored;
     socket_.close(ignored);
-    pause_.cancel();
   }
 
  private:
@@ -115,15 +110,6 @@ class UdpTransport : public MavTransport {
     return true;
   }
 
-  void Take(std::size_t count) {
-    counts_.bytes_received += count;
-    if (Admit(count)) {
-      events_.receive(std::span(buffer_.data(), count), true);
-    } else {
-      ++counts_.strangers;
-    }
-  }
-
   void ReceiveNext() {
     socket_.async_receive_from(boost::asio::buffer(buffer_), sender_,
                                [this, self = shared_from_this()](
@@ -132,33 +118,19 @@ class UdpTransport : public MavTransport {
                                    return;
                                  // Other errors are about earlier sends, such as "port
                                  // unreachable": the peer is not there yet.
-                                 if (!error) Take(count);
-                                 if (!is_closed_) ReceiveWhatIsThere();
+                                 if (!error) {
+                                   counts_.bytes_received += count;
+                                   if (Admit(count)) {
+                                     events_.receive(std::span(buffer_.data(), count), true);
+                                   } else {
+                                     ++counts_.strangers;
+                                   }
+                                 }
+                                 if (!is_closed_) ReceiveNext();
                                });
   }
 
-  void ReceiveWhatIsThere() {
-    int taken = 1;
-    for (; taken < kManyAtOnce; ++taken) {
-      boost::system::error_code error;
-      const std::size_t count =
-          socket_.receive_from(boost::asio::buffer(buffer_), sender_, 0, error);
-      if (error) break;
-      Take(count);
-      if (is_closed_) return;
-    }
-    if (taken == kManyAtOnce) {
-      ReceiveNext();
-      return;
-    }
-    pause_.expires_after(kPause);
-    pause_.async_wait([this, self = shared_from_this()](const boost::system::error_code& error) {
-      if (!error && !is_closed_) ReceiveNext();
-    });
-  }
-
   udp::socket socket_;
-  boost::asio::steady_timer pause_;
   udp::endpoint remote_;  // udpout
   udp::endpoint sender_;  // of the datagram in buffer_
   std::vector<Peer> peers_;

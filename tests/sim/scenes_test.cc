@@ -196,7 +196,7 @@ TEST(Overview, SeesTheModelFromInsideTheRoom) {
   const auto views = OverviewOf(scene);
   ASSERT_GE(views.size(), 6u);
   for (const NamedView& named : views) {
-    EXPECT_LT(named.view.position.head<2>().cwiseAbs().maxCoeff(), 3) << named.name;
+    EXPECT_LT(named.view.position.head<2>().cwiseAbs().maxCoeff(), 4) << named.name;
     const cv::Mat faces = renderer.RenderFaces(
         test::SmallCamera(), CamFromWorld(named.view.position, named.view.direction));
     int model = 0;

@@ -1,7 +1,9 @@
 // What a script relies on: --dry_run, --status, hooks, the lock, changes that are named at resume.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -53,6 +55,10 @@ class SessionCommands : public ProgramTest {
     return events;
   }
 };
+
+void SetMaxIterations(const std::string& number, std::vector<std::string>* arguments) {
+  *std::next(std::ranges::find(*arguments, "--Session.max_iterations")) = number;
+}
 
 bool Has(const std::string& text, const std::string& words) {
   return text.find(words) != std::string::npos;
@@ -128,7 +134,7 @@ TEST_F(SessionCommands, HooksStatusAndChangesOfASession) {
   const std::string bytes = ReadFile(photo);
   WriteFileAtomically(photo, bytes + "x");
   std::vector<std::string> arguments = Arguments({"--dry_run"});
-  arguments[10] = "2";
+  SetMaxIterations("2", &arguments);
   const ChildProcessResult forecast = Run(arguments);
   EXPECT_TRUE(Has(forecast.output, "view_00003.jpg")) << forecast.output;
   EXPECT_TRUE(Has(forecast.output, "Session.max_iterations: 1 before, 2 now")) << forecast.output;
@@ -137,7 +143,7 @@ TEST_F(SessionCommands, HooksStatusAndChangesOfASession) {
 
 TEST_F(SessionCommands, AFailingHookStopsAfterAWholeIteration) {
   std::vector<std::string> arguments = Arguments({"--on_iteration", "echo no more; false"});
-  arguments[10] = "3";
+  SetMaxIterations("3", &arguments);
   ExpectFailure(Run(arguments), 1, {"--on_iteration", "exit code 1", "on_iteration.log"});
   const json state = json::parse(ReadFile(folder_ / "w" / "state.json"));
   EXPECT_EQ(state["iterations_done"], 1);

@@ -36,6 +36,9 @@ constexpr ManualCount kManualPlans[] = {{"grid-downward", 143},
                                         {"rectangle-sparse", 130},
                                         {"rectangle-dense", 390}};
 
+// Terms of a manual plan with the paper's number of photos, or the share of it that was asked for.
+constexpr const char* kOwnCount = "own count";
+
 struct BenchOptions {
   fs::path work = "bench_table1_work";
   fs::path results = "bench/results";
@@ -160,7 +163,7 @@ void RunSeed(const Ground& ground, bool is_first_seed, const BenchOptions& optio
     const auto wanted = SplitAtCommas(options.plans);
     if (std::find(wanted.begin(), wanted.end(), manual.pattern) == wanted.end()) continue;
     const FlownPlan plan = ManualPlan(ground.site, manual.pattern, options.Share(manual.num_views));
-    results->Add(Judge(ground, plan, "the paper's count", job), is_first_seed);
+    results->Add(Judge(ground, plan, kOwnCount, job), is_first_seed);
     if (!options.equal_terms) continue;
     results->Add(
         Judge(ground, ManualPlan(ground.site, manual.pattern, active_photos), "equal photos", job),
@@ -177,7 +180,7 @@ void ReportGoals(const std::string& scene, const std::vector<PlanRow>& rows, Ben
   double best_error = 0;
   const PlanRow* dense = nullptr;
   for (const PlanRow& row : rows) {
-    if (row.terms != "the paper's count") continue;
+    if (row.terms != kOwnCount) continue;
     if (best_error == 0 || row.mean_error_m < best_error) best_error = row.mean_error_m;
     if (row.plan == "rectangle-dense") dense = &row;
   }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <memory>
 
 #if COLMAP_EXT_EMBREE_MAJOR >= 4
 #include <embree4/rtcore.h>
@@ -10,6 +9,7 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include "colmap_ext/geom/embree_scene.h"
 #include "colmap_ext/nbv/next_best_views.h"
 #include "colmap_ext/path/path_planner.h"
 #include "colmap_ext/scene/coverage_map_io.h"
@@ -118,34 +118,10 @@ std::vector<Segment> PlannersRays(const TrueSite& site) {
   return segments;
 }
 
-struct Release {
-  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
-  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
-};
-
 // Embree's own any-hit query, one ray at a time, as RayScene sets the scene up.
 double RawRaysPerSecond(const TriangleMesh& mesh, const std::vector<Segment>& segments,
                         double epsilon_m) {
-  const std::unique_ptr<RTCDeviceTy, Release> device(rtcNewDevice("threads=1"));
-  const std::unique_ptr<RTCSceneTy, Release> scene(rtcNewScene(device.get()));
-  rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
-  RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
-                                                               RTC_FORMAT_FLOAT3, 3 * sizeof(float),
-                                                               mesh.vertices.size()));
-  auto* indices = static_cast<unsigned*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                              3 * sizeof(unsigned), mesh.faces.size()));
-  for (const Eigen::Vector3d& vertex : mesh.vertices) {
-    for (int k = 0; k < 3; ++k) *vertices++ = static_cast<float>(vertex[k]);
-  }
-  for (const Eigen::Vector3i& face : mesh.faces) {
-    for (int k = 0; k < 3; ++k) *indices++ = static_cast<unsigned>(face[k]);
-  }
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(scene.get(), geometry);
-  rtcReleaseGeometry(geometry);
-  rtcCommitScene(scene.get());
+  const EmbreeScene scene(mesh);
   std::vector<RTCRay> rays;
   for (const Segment& segment : segments) {
     const Eigen::Vector3f from = segment.from.cast<float>();

@@ -11,60 +11,25 @@
 #include <string>
 
 #include "colmap_ext/geom/closest_point.h"
+#include "colmap_ext/geom/embree_scene.h"
 #include "colmap_ext/util/error.h"
 
 namespace colmap_ext {
 
 struct RayScene::Impl {
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
-  const float* vertices = nullptr;    // owned by Embree, 3 floats a vertex
-  const unsigned* indices = nullptr;  // owned by Embree, 3 a face
+  explicit Impl(const TriangleMesh& mesh) : embree(mesh), num_faces(mesh.faces.size()) {}
+
+  EmbreeScene embree;
   std::size_t num_faces = 0;
 
-  ~Impl() {
-    if (scene != nullptr) rtcReleaseScene(scene);
-    if (device != nullptr) rtcReleaseDevice(device);
-  }
-
   Eigen::Vector3d Vertex(unsigned face, unsigned corner) const {
-    const float* v = vertices + std::size_t{3} * indices[std::size_t{3} * face + corner];
+    const float* v =
+        embree.vertices() + std::size_t{3} * embree.indices()[std::size_t{3} * face + corner];
     return Eigen::Vector3f(v[0], v[1], v[2]).cast<double>();
   }
 };
 
-RayScene::RayScene(const TriangleMesh& mesh) : impl_(std::make_unique<Impl>()) {
-  impl_->device = rtcNewDevice("threads=1");
-  if (impl_->device == nullptr) throw Error("Embree could not be started");
-  impl_->scene = rtcNewScene(impl_->device);
-  // Robust: no ray slips through the edge shared by two triangles.
-  rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);
-  impl_->num_faces = mesh.faces.size();
-  if (!mesh.faces.empty()) {
-    RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* vertices = static_cast<float*>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                3 * sizeof(float), mesh.vertices.size()));
-    auto* indices = static_cast<unsigned*>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                3 * sizeof(unsigned), mesh.faces.size()));
-    if (vertices == nullptr || indices == nullptr) throw Error("not enough memory for the mesh");
-    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-      for (int k = 0; k < 3; ++k)
-        vertices[3 * i + static_cast<std::size_t>(k)] = static_cast<float>(mesh.vertices[i][k]);
-    }
-    for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
-      for (int k = 0; k < 3; ++k)
-        indices[3 * i + static_cast<std::size_t>(k)] = static_cast<unsigned>(mesh.faces[i][k]);
-    }
-    impl_->vertices = vertices;
-    impl_->indices = indices;
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(impl_->scene, geometry);
-    rtcReleaseGeometry(geometry);
-  }
-  rtcCommitScene(impl_->scene);
-}
+RayScene::RayScene(const TriangleMesh& mesh) : impl_(std::make_unique<Impl>(mesh)) {}
 
 RayScene::~RayScene() = default;
 RayScene::RayScene(RayScene&&) noexcept = default;
@@ -98,11 +63,11 @@ std::optional<RayHit> RayScene::Intersect(const Eigen::Vector3d& origin,
   query.ray = MakeRay(origin, direction, min_m, max_m);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
 #if COLMAP_EXT_EMBREE_MAJOR >= 4
-  rtcIntersect1(impl_->scene, &query);
+  rtcIntersect1(impl_->embree.get(), &query);
 #else
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  rtcIntersect1(impl_->scene, &context, &query);
+  rtcIntersect1(impl_->embree.get(), &context, &query);
 #endif
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   return RayHit{static_cast<double>(query.ray.tfar), static_cast<int>(query.hit.primID),
@@ -116,11 +81,11 @@ bool RayScene::IsOccluded(const Eigen::Vector3d& from, const Eigen::Vector3d& to
   if (length <= 2 * epsilon_m) return false;
   RTCRay ray = MakeRay(from, offset / length, epsilon_m, length - epsilon_m);
 #if COLMAP_EXT_EMBREE_MAJOR >= 4
-  rtcOccluded1(impl_->scene, &ray);
+  rtcOccluded1(impl_->embree.get(), &ray);
 #else
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  rtcOccluded1(impl_->scene, &context, &ray);
+  rtcOccluded1(impl_->embree.get(), &context, &ray);
 #endif
   return ray.tfar < 0;  // Embree's sign for "hit"
 }
@@ -146,7 +111,7 @@ double RayScene::DistanceToSurface(const Eigen::Vector3d& point, double max_m) c
   rtcInitPointQueryContext(&context);
   DistanceQuery user{impl_.get(), point};
   rtcPointQuery(
-      impl_->scene, &query, &context,
+      impl_->embree.get(), &query, &context,
       [](RTCPointQueryFunctionArguments* arguments) {
         const auto* data = static_cast<const DistanceQuery*>(arguments->userPtr);
         const auto* impl = static_cast<const Impl*>(data->impl);

@@ -8,6 +8,7 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include "colmap_ext/geom/embree_scene.h"
 #include "colmap_ext/geom/mesh.h"
 
 namespace colmap_ext {
@@ -17,9 +18,6 @@ class PacketScene {
   static constexpr int kWidth = 16;
 
   explicit PacketScene(const TriangleMesh& mesh);
-  ~PacketScene();
-  PacketScene(const PacketScene&) = delete;
-  PacketScene& operator=(const PacketScene&) = delete;
 
   // First hits of the lanes whose `valid` is -1; see rtcIntersect16.
   void Intersect(const int* valid, RTCRayHit16* rays) const;
@@ -27,8 +25,7 @@ class PacketScene {
   void Occluded(const int* valid, RTCRay16* rays) const;
 
  private:
-  RTCDevice device_ = nullptr;
-  RTCScene scene_ = nullptr;
+  EmbreeScene embree_;
 };
 
 }  // namespace colmap_ext

@@ -1,0 +1,57 @@
+#include "colmap_ext/geom/embree_scene.h"
+
+#if COLMAP_EXT_EMBREE_MAJOR >= 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include "colmap_ext/util/error.h"
+
+namespace colmap_ext {
+namespace {
+
+struct ReleaseScene {
+  void operator()(RTCSceneTy* scene) const { rtcReleaseScene(scene); }
+};
+
+struct ReleaseGeometry {
+  void operator()(RTCGeometryTy* geometry) const { rtcReleaseGeometry(geometry); }
+};
+
+}  // namespace
+
+void EmbreeScene::Release::operator()(RTCDeviceTy* device) const { rtcReleaseDevice(device); }
+
+EmbreeScene::EmbreeScene(const TriangleMesh& mesh) : device_(rtcNewDevice("threads=1")) {
+  if (device_ == nullptr) throw Error("Embree could not be started");
+  std::unique_ptr<RTCSceneTy, ReleaseScene> scene(rtcNewScene(device_.get()));
+  rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
+  if (!mesh.faces.empty()) {
+    const std::unique_ptr<RTCGeometryTy, ReleaseGeometry> geometry(
+        rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
+    auto* vertices = static_cast<float*>(
+        rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                3 * sizeof(float), mesh.vertices.size()));
+    auto* indices = static_cast<unsigned*>(
+        rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                3 * sizeof(unsigned), mesh.faces.size()));
+    if (vertices == nullptr || indices == nullptr) throw Error("not enough memory for the mesh");
+    vertices_ = vertices;
+    indices_ = indices;
+    for (const Eigen::Vector3d& vertex : mesh.vertices) {
+      for (int k = 0; k < 3; ++k) *vertices++ = static_cast<float>(vertex[k]);
+    }
+    for (const Eigen::Vector3i& face : mesh.faces) {
+      for (int k = 0; k < 3; ++k) *indices++ = static_cast<unsigned>(face[k]);
+    }
+    rtcCommitGeometry(geometry.get());
+    rtcAttachGeometry(scene.get(), geometry.get());
+  }
+  rtcCommitScene(scene.get());
+  scene_ = scene.release();
+}
+
+EmbreeScene::~EmbreeScene() { rtcReleaseScene(scene_); }
+
+}  // namespace colmap_ext

@@ -1,11 +1,11 @@
 #include "session/flight_recovery.h"
 
-#include <cstdio>
 #include <sstream>
 #include <vector>
 
 #include "colmap_ext/flight/flight_journal.h"
 #include "colmap_ext/scene/true_poses.h"
+#include "colmap_ext/sim/picture_store.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
 #include "session/simulated_site.h"
@@ -14,12 +14,6 @@ namespace colmap_ext {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string NameInDrone(int index) {
-  char name[32];
-  std::snprintf(name, sizeof name, "img_%05d.jpg", index);
-  return name;
-}
 
 // Whether the line tells of a photo that is not there: it will be taken again.
 bool IsOfMissingPhoto(const std::string& line, const fs::path& images) {
@@ -61,7 +55,7 @@ void TakeFullPhotos(const std::map<std::string, int>& index_of_photo, const Work
   for (const auto& [photo, index] : index_of_photo) {
     const fs::path target = workspace.images_full() / photo;
     if (fs::exists(target)) continue;
-    const fs::path source = DronePath(workspace) / "full" / NameInDrone(index);
+    const fs::path source = DronePath(workspace) / "full" / PictureStore::NameOf(index);
     if (fs::exists(source)) {
       WriteFileAtomically(target, ReadFile(source));
     } else {
@@ -80,7 +74,7 @@ void TakeTruePoses(const std::map<std::string, int>& index_of_photo, const Works
   const auto true_pose = PoseOfPhoto(ReadTruePoses(path));
   std::vector<TruePose> poses;
   for (const auto& [photo, index] : index_of_photo) {
-    const auto pose = true_pose.find(NameInDrone(index));
+    const auto pose = true_pose.find(PictureStore::NameOf(index));
     if (pose != true_pose.end()) poses.push_back({photo, pose->second});
   }
   UpdateTruePoses(poses, SimulatedSite::TruePosesPath(workspace));

@@ -2,9 +2,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
+#include "colmap_ext/sim/picture_store.h"
 #include "sim/autopilot_impl.h"
 
 namespace colmap_ext {
@@ -187,8 +187,7 @@ void SimulatedAutopilot::Impl::ReportPicture(const ShutterEvent& event, bool is_
   message.q = CameraQuaternion(false);
   message.image_index = event.index;
   message.capture_result = is_good ? 1 : 0;
-  char name[32];
-  std::snprintf(name, sizeof name, "img_%05d.jpg", event.index);
+  const std::string name = PictureStore::NameOf(event.index);
   if (is_good && options.file_url == "http") {
     SetMavText(picture_url + "/low/" + name, &message.file_url);
   } else if (is_good && options.file_url == "mftp") {

@@ -10,6 +10,7 @@
 #include "colmap_ext/sim/textured_scene.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
+#include "colmap_ext/util/text.h"
 
 namespace colmap_ext {
 namespace {
@@ -18,11 +19,7 @@ namespace fs = std::filesystem;
 
 using Arguments = std::vector<std::string>;
 
-std::string Number(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.9g", value);
-  return text;
-}
+std::string Number(double value) { return FormatNumber("%.9g", value); }
 
 // Runs `colmap_ext <arguments>` unless `result` is there already.
 void RunUnlessThere(const fs::path& result, Arguments arguments, const fs::path& log,

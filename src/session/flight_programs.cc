@@ -3,10 +3,10 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <cmath>
-#include <cstdio>
 
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
+#include "colmap_ext/util/text.h"
 #include "session/child_program.h"
 
 namespace colmap_ext {
@@ -14,16 +14,10 @@ namespace {
 
 constexpr double kReturnAboveSiteM = 15;
 
-std::string Number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
-
 // The parameter of the autopilot that says how high it returns, metres above home.
 std::string ReturnHeight(const std::string& personality, double height_m) {
-  return personality == "px4" ? "RTL_RETURN_ALT=" + Number(height_m)
-                              : "RTL_ALT=" + Number(100 * height_m);  // centimetres
+  return personality == "px4" ? "RTL_RETURN_ALT=" + FormatNumber("%g", height_m)
+                              : "RTL_ALT=" + FormatNumber("%g", 100 * height_m);  // centimetres
 }
 
 std::vector<std::string> DaemonArguments(const StageOptions& options, const Workspace& workspace) {
@@ -72,7 +66,7 @@ std::vector<std::string> DroneArguments(const SessionInputs& inputs, const Stage
       "--connection",
       "udpout://127.0.0.1:" + std::to_string(link_port),
       "--speed",
-      Number(options.session.simulation_speed),
+      FormatNumber("%g", options.session.simulation_speed),
       "--full_resolution",
       options.session.full_resolution ? "1" : "0",
       "--Drone.failsafes",
@@ -80,9 +74,9 @@ std::vector<std::string> DroneArguments(const SessionInputs& inputs, const Stage
       "--Drone.parameters",
       ReturnHeight(personality, std::ceil(site_top_m + kReturnAboveSiteM)),
       "--Drone.gps_bias_m",
-      Number(gps_m),
+      FormatNumber("%g", gps_m),
       "--Drone.gps_noise_m",
-      Number(gps_m / 3)};
+      FormatNumber("%g", gps_m / 3)};
   if (inputs.scene.empty()) {
     arguments.insert(arguments.end(), {"--scene_path", inputs.scene_path});
   } else {
@@ -95,11 +89,12 @@ std::vector<std::string> SimulationDaemonArguments(const StageOptions& options,
                                                    const Workspace& workspace, int link_port,
                                                    int drone_port) {
   std::vector<std::string> arguments = DaemonArguments(options, workspace);
-  arguments.insert(arguments.end(),
-                   {"--connection", "udpin://127.0.0.1:" + std::to_string(link_port),
-                    "--simulated_speed", Number(options.session.simulation_speed), "--picture_url",
-                    "http://127.0.0.1:" + std::to_string(drone_port) +
-                        "/pictures/{resolution}/img_{index5}.jpg"});
+  arguments.insert(
+      arguments.end(),
+      {"--connection", "udpin://127.0.0.1:" + std::to_string(link_port), "--simulated_speed",
+       FormatNumber("%g", options.session.simulation_speed), "--picture_url",
+       "http://127.0.0.1:" + std::to_string(drone_port) +
+           "/pictures/{resolution}/img_{index5}.jpg"});
   return arguments;
 }
 

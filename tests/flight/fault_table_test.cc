@@ -168,12 +168,7 @@ TEST_P(PilotTakesOver, NothingIsCommandedFromThatMomentOn) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Stacks, PilotTakesOver,
-                         ::testing::Values(AutopilotPersonality::kPx4,
-                                           AutopilotPersonality::kArduPilot),
-                         [](const auto& info) {
-                           return info.param == AutopilotPersonality::kPx4 ? "Px4" : "ArduPilot";
-                         });
+INSTANTIATE_TEST_SUITE_P(Stacks, PilotTakesOver, testing::BothStacks(), testing::NameOfStack);
 
 std::vector<Case> AllCases() {
   std::vector<Case> cases;
@@ -236,12 +231,7 @@ TEST_P(Restart, NothingIsFlownTwiceAndNothingIsLost) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Stacks, Restart,
-                         ::testing::Values(AutopilotPersonality::kPx4,
-                                           AutopilotPersonality::kArduPilot),
-                         [](const auto& info) {
-                           return info.param == AutopilotPersonality::kPx4 ? "Px4" : "ArduPilot";
-                         });
+INSTANTIATE_TEST_SUITE_P(Stacks, Restart, testing::BothStacks(), testing::NameOfStack);
 
 }  // namespace
 }  // namespace colmap_ext

@@ -20,6 +20,14 @@
 
 namespace colmap_ext::testing {
 
+// For INSTANTIATE_TEST_SUITE_P.
+inline auto BothStacks() {
+  return ::testing::Values(AutopilotPersonality::kPx4, AutopilotPersonality::kArduPilot);
+}
+inline std::string NameOfStack(const ::testing::TestParamInfo<AutopilotPersonality>& info) {
+  return info.param == AutopilotPersonality::kPx4 ? "Px4" : "ArduPilot";
+}
+
 inline const GeoPosition kSite = {47.3769, 8.5417, 408};
 
 // A building of 6 x 6 x 8 m; views around it at 12 m from its middle.

@@ -163,12 +163,7 @@ TEST_P(SiteLimitsInFlight, AFlightBesideANoFlyZone) {
   EXPECT_TRUE(has_fence);
 }
 
-INSTANTIATE_TEST_SUITE_P(Stacks, SiteLimitsInFlight,
-                         ::testing::Values(AutopilotPersonality::kPx4,
-                                           AutopilotPersonality::kArduPilot),
-                         [](const auto& info) {
-                           return info.param == AutopilotPersonality::kPx4 ? "Px4" : "ArduPilot";
-                         });
+INSTANTIATE_TEST_SUITE_P(Stacks, SiteLimitsInFlight, testing::BothStacks(), testing::NameOfStack);
 
 }  // namespace
 }  // namespace colmap_ext

@@ -132,12 +132,7 @@ TEST_P(WholeFlight, AViewInsideTheBuildingIsNotFlownTo) {
   EXPECT_GT(nearest, 3) << "4 m are wanted, less what GPS and hover are off";
 }
 
-INSTANTIATE_TEST_SUITE_P(Stacks, WholeFlight,
-                         ::testing::Values(AutopilotPersonality::kPx4,
-                                           AutopilotPersonality::kArduPilot),
-                         [](const auto& info) {
-                           return info.param == AutopilotPersonality::kPx4 ? "Px4" : "ArduPilot";
-                         });
+INSTANTIATE_TEST_SUITE_P(Stacks, WholeFlight, testing::BothStacks(), testing::NameOfStack);
 
 }  // namespace
 }  // namespace colmap_ext

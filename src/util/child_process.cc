@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/personality.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -44,12 +45,14 @@ std::vector<char*> PointersTo(std::vector<std::string>& strings) {
 
 // Only async-signal-safe calls between fork and exec.
 [[noreturn]] void ExecuteInChild(const char* program, char* const* arguments,
-                                 char* const* environment, int output, pid_t parent) {
+                                 char* const* environment, bool fixed_addresses, int output,
+                                 pid_t parent) {
   setpgid(0, 0);  // Ctrl-C reaches us, and we stop the child in our own time
   sigset_t no_signals;
   sigemptyset(&no_signals);
   sigprocmask(SIG_SETMASK, &no_signals, nullptr);  // ours blocks the signals it waits for
   prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (fixed_addresses) personality(ADDR_NO_RANDOMIZE);
   if (getppid() != parent) _exit(127);
   const int null_input = open("/dev/null", O_RDONLY);
   dup2(null_input, STDIN_FILENO);
@@ -148,8 +151,8 @@ ChildProcessResult RunChildProcess(const ChildProcessOptions& options, const Job
   const pid_t child = fork();
   if (child < 0) throw Error(program.string() + ": cannot start: " + std::strerror(errno));
   if (child == 0) {
-    ExecuteInChild(program.c_str(), argument_pointers.data(), environment_pointers.data(), ends[1],
-                   parent);
+    ExecuteInChild(program.c_str(), argument_pointers.data(), environment_pointers.data(),
+                   options.fixed_addresses, ends[1], parent);
   }
   close(ends[1]);
   ChildProcessResult result;

@@ -37,6 +37,19 @@ TEST(ChildProcess, PassesEnvironmentAndArgumentsWithoutAShell) {
   EXPECT_EQ(RunChildProcess(options, JobControl()).output, "$HOME; rm x\n");
 }
 
+TEST(ChildProcess, FixedAddressesAreThoseOfTheRunBefore) {
+  ChildProcessOptions options;
+  options.arguments = {"cat", "/proc/self/personality"};
+  options.fixed_addresses = true;
+  const std::string flags = RunChildProcess(options, JobControl()).output;
+  if (flags.find("0004") == std::string::npos) GTEST_SKIP() << "not allowed here: " << flags;
+  options.arguments = {"cat", "/proc/self/maps"};
+  const std::string first = RunChildProcess(options, JobControl()).output;
+  EXPECT_EQ(RunChildProcess(options, JobControl()).output, first);
+  options.fixed_addresses = false;
+  EXPECT_NE(RunChildProcess(options, JobControl()).output, first);
+}
+
 TEST(ChildProcess, ReportsSignals) {
   EXPECT_EQ(RunChildProcess(Shell("kill -9 $$"), JobControl()).exit_code, 137);
 }

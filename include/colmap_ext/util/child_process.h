@@ -15,6 +15,9 @@ struct ChildProcessOptions {
   std::map<std::string, std::string> environment;  // added to this process's own
   std::filesystem::path log_path;  // stdout and stderr go there, appended; empty: kept
                                    // only in ChildProcessResult::output
+  // The same addresses in every run, where the system allows it: for a program that reads memory it
+  // never wrote, whose result would change from run to run.
+  bool fixed_addresses = false;
 };
 
 struct ChildProcessResult {

@@ -1,11 +1,15 @@
-# colmap_ext_module(<name> DEPENDS <modules> LIBRARIES <third-party targets>)
-# makes the static library colmap_ext_<name> from src/<name>/*.cc. Public headers are in
+#colmap_ext_module(<name> DEPENDS <modules> LIBRARIES <third - party targets>)
+#makes the static library colmap_ext_ < name> from src / < name>/*.cc. Public headers are in
 # include/colmap_ext/<name>/, private ones beside their .cc files.
 add_library(colmap_ext_warnings INTERFACE)
 target_compile_options(colmap_ext_warnings INTERFACE -Wall -Wextra -Wconversion -Werror)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   # GCC 12 sees overlapping copies in std::string's operator+ that are not there (GCC bug 105651).
   target_compile_options(colmap_ext_warnings INTERFACE -Wno-restrict)
+endif()
+if(CMAKE_UNITY_BUILD)
+  # Each .cc is then a "header" of the generated file, whose anonymous types GCC suspects.
+  target_compile_options(colmap_ext_warnings INTERFACE -Wno-subobject-linkage)
 endif()
 if(COLMAP_EXT_SANITIZE)
   target_compile_options(colmap_ext_warnings INTERFACE -fsanitize=${COLMAP_EXT_SANITIZE}

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 using Arguments = std::vector<std::string>;
 
-std::string Number(double value) { return FormatNumber("%.9g", value); }
+std::string NumberText(double value) { return FormatNumber("%.9g", value); }
 
 // Runs `colmap_ext <arguments>` unless `result` is there already.
 void RunUnlessThere(const fs::path& result, Arguments arguments, const fs::path& log,
@@ -39,7 +39,7 @@ void WritePoseList(const std::vector<PlannedView>& views, const fs::path& path) 
     for (const double value :
          {view.position.x(), view.position.y(), view.position.z(), RadToDeg(view.direction.yaw_rad),
           RadToDeg(view.direction.pitch_rad)}) {
-      text += " " + Number(value);
+      text += " " + NumberText(value);
     }
     text += "\n";
   }
@@ -56,7 +56,7 @@ void RenderPhotos(const Site& site, const fs::path& folder, const SiteOptions& o
     RunUnlessThere(
         output / "true_poses.txt",
         {"scene_renderer", "--scene", site.name, "--scene_seed", std::to_string(options.scene_seed),
-         "--texel_scale", Number(options.texel_scale), "--pose_list_path",
+         "--texel_scale", NumberText(options.texel_scale), "--pose_list_path",
          (folder / "views.txt").string(), "--output_path", output.string(), "--full_resolution",
          full ? "1" : "0", "--Simulation.full_width", std::to_string(options.dense_width_px),
          "--Simulation.full_height", std::to_string(height)},
@@ -68,8 +68,8 @@ void MapPhotos(const fs::path& folder, const JobControl& job) {
   std::string priors;
   for (const TruePose& pose : ReadTruePoses(folder / "low" / "true_poses.txt")) {
     const Eigen::Vector3d center = CameraCenter(pose.cam_from_world);
-    priors += pose.name + " " + Number(center.x()) + " " + Number(center.y()) + " " +
-              Number(center.z()) + "\n";
+    priors += pose.name + " " + NumberText(center.x()) + " " + NumberText(center.y()) + " " +
+              NumberText(center.z()) + "\n";
   }
   WriteFileAtomically(folder / "priors.txt", priors);
   const PinholeCamera camera = SimulatedCameraOptions().LowCamera();
@@ -77,7 +77,8 @@ void MapPhotos(const fs::path& folder, const JobControl& job) {
       folder / "sfm" / "images.bin",
       {"sparse_updater", "--image_path", (folder / "low" / "images").string(), "--output_path",
        (folder / "sfm").string(), "--pose_prior_path", (folder / "priors.txt").string(),
-       "--camera_params", Number(camera.fx) + "," + Number(camera.cx) + "," + Number(camera.cy)},
+       "--camera_params",
+       NumberText(camera.fx) + "," + NumberText(camera.cx) + "," + NumberText(camera.cy)},
       folder / "logs" / "sfm.log", job);
 }
 
@@ -86,7 +87,8 @@ void MapPhotos(const fs::path& folder, const JobControl& job) {
 std::string BoxText(const BoundingBox& box) {
   std::string text;
   for (const Eigen::Vector3d& corner : {box.min(), box.max()}) {
-    for (int axis = 0; axis < 3; ++axis) text += (text.empty() ? "" : ",") + Number(corner[axis]);
+    for (int axis = 0; axis < 3; ++axis)
+      text += (text.empty() ? "" : ",") + NumberText(corner[axis]);
   }
   return text;
 }

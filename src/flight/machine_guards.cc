@@ -11,7 +11,7 @@ constexpr double kPositionTimeoutS = 3;    // without a position while messages 
 constexpr double kBadPositionS = 1;        // shorter glitches are the estimator's
 constexpr double kGoodPositionAgainS = 5;  // then the flight goes on
 constexpr double kModeLagS = 2.5;          // heartbeats tell the mode, once a second
-constexpr double kPhotoS = 8;              // settling, aiming, capture: for the energy of a view
+constexpr double kPhotoEnergyS = 8;        // settling, aiming, capture: for the energy of a view
 
 }  // namespace
 
@@ -158,7 +158,7 @@ double MachineImpl::PercentPerMinute() const {
 bool MachineImpl::HasEnergyFor(const std::vector<Eigen::Vector3d>& legs, double hover_s) const {
   if (!vehicle_.battery_percent || !vehicle_.position) return true;
   EnergyNeed need;
-  need.hover_s = hover_s + (legs.empty() ? 0 : kPhotoS);
+  need.hover_s = hover_s + (legs.empty() ? 0 : kPhotoEnergyS);
   Eigen::Vector3d place = Position();
   for (const Eigen::Vector3d& leg : legs) {
     need.way_m += (leg - place).norm();

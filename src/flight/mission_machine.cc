@@ -9,7 +9,7 @@
 namespace colmap_ext {
 namespace {
 
-constexpr double kHeartbeatS = 1.2;  // they come once a second
+constexpr double kFirstHeartbeatS = 1.2;  // they come once a second
 
 }  // namespace
 
@@ -187,7 +187,7 @@ void MachineImpl::AdvanceInFlight() {
   switch (state) {
     case FlightState::kArmed:
       // The take-off changes the mode: not before another heartbeat said that it is still ours.
-      if (InState() > kHeartbeatS) BeginTakeoff();
+      if (InState() > kFirstHeartbeatS) BeginTakeoff();
       return;
     case FlightState::kTakeoff:
       AdvanceTakeoff();

@@ -18,7 +18,7 @@ const Rgb kFaint = {0.86f, 0.88f, 0.90f};
 const Rgb kBar = {0.20f, 0.47f, 0.68f};
 const Rgb kBeyond = {0.80f, 0.36f, 0.20f};
 
-cv::Scalar ToBgr(const Rgb& color) {
+cv::Scalar ScalarOf(const Rgb& color) {
   return {255.0 * static_cast<double>(color[2]), 255.0 * static_cast<double>(color[1]),
           255.0 * static_cast<double>(color[0])};
 }
@@ -45,7 +45,7 @@ class Plot {
   void DrawGrid() {
     for (int i = 0; i <= 4; ++i) {
       const int y = Y(max_share_ * i / 4);
-      cv::line(picture_, {area_.x, y}, {area_.x + area_.width, y}, ToBgr(kFaint), 1);
+      cv::line(picture_, {area_.x, y}, {area_.x + area_.width, y}, ScalarOf(kFaint), 1);
       Text(FormatNumber("%.0f %%", 25.0 * i * max_share_), {area_.x - 6.0, 1.0 * y},
            TextAnchor::kRight);
       Text(FormatNumber("%.0f %%", 25.0 * i), {area_.x + area_.width + 6.0, 1.0 * y},
@@ -65,7 +65,7 @@ class Plot {
       const auto right = static_cast<int>(X(max_error_m_ * (i + 1) / kBars)) - 1;
       const cv::Point corner(left, Y(shares[static_cast<std::size_t>(i)]));
       cv::rectangle(picture_, corner, {std::max(left, right), area_.br().y},
-                    ToBgr(i == kBars ? kBeyond : kBar), cv::FILLED);
+                    ScalarOf(i == kBars ? kBeyond : kBar), cv::FILLED);
     }
   }
 
@@ -76,13 +76,13 @@ class Plot {
       sum += shares[static_cast<std::size_t>(i)];
       line.emplace_back(static_cast<int>(X(max_error_m_ * (i + 1) / kBars)), Y(max_share_ * sum));
     }
-    cv::polylines(picture_, line, false, ToBgr(kInk), 2, cv::LINE_AA);
+    cv::polylines(picture_, line, false, ScalarOf(kInk), 2, cv::LINE_AA);
   }
 
   void DrawThreshold(double threshold_m, double share_below) {
     if (threshold_m > max_error_m_) return;
     const auto x = static_cast<int>(X(threshold_m));
-    cv::line(picture_, {x, area_.y}, {x, area_.br().y}, ToBgr(kInk), 1, cv::LINE_AA);
+    cv::line(picture_, {x, area_.y}, {x, area_.br().y}, ScalarOf(kInk), 1, cv::LINE_AA);
     Text(FormatNumber("%.1f mm: ", 1000 * threshold_m) + FormatNumber("%.1f %%", 100 * share_below),
          {1.0 * x, area_.y - 12.0}, TextAnchor::kCenter);
   }

@@ -58,7 +58,7 @@ CaptureRecord ReadRecord(const JsonNode& root) {
   return record;
 }
 
-Json ParseLine(std::string_view line, const std::string& where) {
+Json ParseRecord(std::string_view line, const std::string& where) {
   Json json = Json::parse(line, nullptr, false);
   if (json.is_discarded() || !json.is_object()) throw Error(where + ": not a JSON object");
   return json;
@@ -90,7 +90,7 @@ std::map<std::string, CaptureRecord> ReadCaptureJournal(const std::filesystem::p
     begin = end + 1;
     if (line.find_first_not_of(" \t\r") == std::string_view::npos) continue;
     const std::string where = path.string() + ": line " + std::to_string(number);
-    AddRecord(ParseLine(line, where), where, &records);
+    AddRecord(ParseRecord(line, where), where, &records);
   }
 }
 

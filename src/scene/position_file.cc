@@ -8,6 +8,7 @@
 
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
+#include "scene/shortest_digits.h"
 #include "scene/text_numbers.h"
 
 namespace colmap_ext {
@@ -94,11 +95,6 @@ void TakeCoordinateSystem(const std::filesystem::path& path, std::vector<Positio
              " is not supported; convert the positions to longitude and latitude (EPSG:4326)");
   }
   lines->erase(lines->begin());
-}
-
-std::string ShortestDigits(double value) {
-  std::array<char, 32> digits;
-  return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr};
 }
 
 }  // namespace

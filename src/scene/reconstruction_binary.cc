@@ -27,7 +27,7 @@ int ReadImageSide(ByteReader& in, const char* what) {
   return static_cast<int>(side);
 }
 
-std::map<CameraId, Camera> ReadCameras(const fs::path& path) {
+std::map<CameraId, Camera> ReadCamerasBinary(const fs::path& path) {
   ByteReader in(path);
   std::map<CameraId, Camera> cameras;
   const std::size_t count = in.ReadCount(kMinCameraBytes, "the number of cameras");
@@ -72,7 +72,7 @@ SparseImage ReadImage(ByteReader& in) {
   return image;
 }
 
-std::map<ImageId, SparseImage> ReadImages(const fs::path& path) {
+std::map<ImageId, SparseImage> ReadImagesBinary(const fs::path& path) {
   ByteReader in(path);
   std::map<ImageId, SparseImage> images;
   const std::size_t count = in.ReadCount(kMinImageBytes, "the number of images");
@@ -101,7 +101,7 @@ SparsePoint ReadPoint(ByteReader& in) {
   return point;
 }
 
-std::map<Point3DId, SparsePoint> ReadPoints(const fs::path& path) {
+std::map<Point3DId, SparsePoint> ReadPointsBinary(const fs::path& path) {
   ByteReader in(path);
   std::map<Point3DId, SparsePoint> points;
   const std::size_t count = in.ReadCount(kMinPointBytes, "the number of points");
@@ -115,7 +115,7 @@ std::map<Point3DId, SparsePoint> ReadPoints(const fs::path& path) {
   return points;
 }
 
-void WriteCameras(const std::map<CameraId, Camera>& cameras, std::ostream& out) {
+void WriteCamerasBinary(const std::map<CameraId, Camera>& cameras, std::ostream& out) {
   WriteBytes<std::uint64_t>(out, cameras.size());
   for (const auto& [id, camera] : cameras) {
     WriteBytes<CameraId>(out, id);
@@ -126,7 +126,7 @@ void WriteCameras(const std::map<CameraId, Camera>& cameras, std::ostream& out) 
   }
 }
 
-void WriteImages(const std::map<ImageId, SparseImage>& images, std::ostream& out) {
+void WriteImagesBinary(const std::map<ImageId, SparseImage>& images, std::ostream& out) {
   WriteBytes<std::uint64_t>(out, images.size());
   for (const auto& [id, image] : images) {
     WriteBytes<ImageId>(out, id);
@@ -144,7 +144,7 @@ void WriteImages(const std::map<ImageId, SparseImage>& images, std::ostream& out
   }
 }
 
-void WritePoints(const std::map<Point3DId, SparsePoint>& points, std::ostream& out) {
+void WritePointsBinary(const std::map<Point3DId, SparsePoint>& points, std::ostream& out) {
   WriteBytes<std::uint64_t>(out, points.size());
   for (const auto& [id, point] : points) {
     WriteBytes<Point3DId>(out, id);
@@ -162,8 +162,8 @@ void WritePoints(const std::map<Point3DId, SparsePoint>& points, std::ostream& o
 }  // namespace
 
 Reconstruction ReadBinaryModel(const fs::path& folder) {
-  return {ReadCameras(folder / "cameras.bin"), ReadImages(folder / "images.bin"),
-          ReadPoints(folder / "points3D.bin")};
+  return {ReadCamerasBinary(folder / "cameras.bin"), ReadImagesBinary(folder / "images.bin"),
+          ReadPointsBinary(folder / "points3D.bin")};
 }
 
 void WriteReconstructionBinary(const Reconstruction& reconstruction, const fs::path& folder) {
@@ -171,11 +171,11 @@ void WriteReconstructionBinary(const Reconstruction& reconstruction, const fs::p
   RequireNoForeignFrames(reconstruction, folder);
   if (!reconstruction.frame_table.IsEmpty()) WriteBinaryFrameTable(reconstruction, folder);
   WriteFileAtomically(folder / "cameras.bin",
-                      [&](std::ostream& out) { WriteCameras(reconstruction.cameras, out); });
+                      [&](std::ostream& out) { WriteCamerasBinary(reconstruction.cameras, out); });
   WriteFileAtomically(folder / "images.bin",
-                      [&](std::ostream& out) { WriteImages(reconstruction.images, out); });
+                      [&](std::ostream& out) { WriteImagesBinary(reconstruction.images, out); });
   WriteFileAtomically(folder / "points3D.bin",
-                      [&](std::ostream& out) { WritePoints(reconstruction.points, out); });
+                      [&](std::ostream& out) { WritePointsBinary(reconstruction.points, out); });
 }
 
 }  // namespace colmap_ext

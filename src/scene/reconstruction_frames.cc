@@ -8,6 +8,7 @@
 #include "colmap_ext/util/files.h"
 #include "scene/byte_reader.h"
 #include "scene/reconstruction_files.h"
+#include "scene/same_pose.h"
 #include "scene/text_reader.h"
 
 namespace colmap_ext {
@@ -16,8 +17,6 @@ namespace {
 
 constexpr std::size_t kMinRigBytes = 4 + 4;
 constexpr std::size_t kMinFrameBytes = 4 + 4 + 7 * 8 + 4;
-constexpr double kSamePoseTolerance = 1e-6;
-
 // One way to ask for the next value of a binary or a text file.
 class BinarySource {
  public:
@@ -151,12 +150,7 @@ void RequireSamePoses(const Reconstruction& model, const PosedFrames& posed, con
     const auto found = posed.rig_from_world.find(id);
     if (found == posed.rig_from_world.end()) continue;
     const Rigid3d pose = RigFromWorld(model, table, id);
-    const double distance = (pose.translation - found->second.translation).norm();
-    const double angle = pose.rotation.angularDistance(found->second.rotation);
-    if (distance < kSamePoseTolerance * (1 + pose.translation.norm()) &&
-        angle < kSamePoseTolerance) {
-      continue;
-    }
+    if (AreSamePoses(pose, found->second)) continue;
     throw Error(path.string() + ": frame " + std::to_string(id) +
                 " has another pose than its photos have; remove rigs and frames from the folder "
                 "to use the poses of the photos");

@@ -32,7 +32,7 @@ const CameraModelInfo& NextCameraModel(TextReader& in) {
   }
 }
 
-std::map<CameraId, Camera> ReadCameras(const fs::path& path) {
+std::map<CameraId, Camera> ReadCamerasText(const fs::path& path) {
   TextReader in(path);
   std::map<CameraId, Camera> cameras;
   while (in.NextRecord()) {
@@ -80,7 +80,7 @@ void ReadKeypointLine(TextReader& in, SparseImage* image) {
   }
 }
 
-std::map<ImageId, SparseImage> ReadImages(const fs::path& path) {
+std::map<ImageId, SparseImage> ReadImagesText(const fs::path& path) {
   TextReader in(path);
   std::map<ImageId, SparseImage> images;
   while (in.NextRecord()) {
@@ -102,7 +102,7 @@ std::map<ImageId, SparseImage> ReadImages(const fs::path& path) {
   return images;
 }
 
-std::map<Point3DId, SparsePoint> ReadPoints(const fs::path& path) {
+std::map<Point3DId, SparsePoint> ReadPointsText(const fs::path& path) {
   TextReader in(path);
   std::map<Point3DId, SparsePoint> points;
   while (in.NextRecord()) {
@@ -124,7 +124,7 @@ std::map<Point3DId, SparsePoint> ReadPoints(const fs::path& path) {
   return points;
 }
 
-void WriteCameras(const std::map<CameraId, Camera>& cameras, std::ostream& out) {
+void WriteCamerasText(const std::map<CameraId, Camera>& cameras, std::ostream& out) {
   out << "# Camera list with one line of data per camera:\n"
          "#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n"
          "# Number of cameras: "
@@ -137,7 +137,7 @@ void WriteCameras(const std::map<CameraId, Camera>& cameras, std::ostream& out) 
   }
 }
 
-void WriteImages(const std::map<ImageId, SparseImage>& images, std::ostream& out) {
+void WriteImagesText(const std::map<ImageId, SparseImage>& images, std::ostream& out) {
   out << "# Image list with two lines of data per image:\n"
          "#   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n"
          "#   POINTS2D[] as (X, Y, POINT3D_ID)\n"
@@ -163,7 +163,7 @@ void WriteImages(const std::map<ImageId, SparseImage>& images, std::ostream& out
   }
 }
 
-void WritePoints(const std::map<Point3DId, SparsePoint>& points, std::ostream& out) {
+void WritePointsText(const std::map<Point3DId, SparsePoint>& points, std::ostream& out) {
   out << "# 3D point list with one line of data per point:\n"
          "#   POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n"
          "# Number of points: "
@@ -189,8 +189,8 @@ std::ostream& operator<<(std::ostream& out, const Digits& digits) {
 }
 
 Reconstruction ReadTextModel(const fs::path& folder) {
-  return {ReadCameras(folder / "cameras.txt"), ReadImages(folder / "images.txt"),
-          ReadPoints(folder / "points3D.txt")};
+  return {ReadCamerasText(folder / "cameras.txt"), ReadImagesText(folder / "images.txt"),
+          ReadPointsText(folder / "points3D.txt")};
 }
 
 void WriteReconstructionText(const Reconstruction& reconstruction, const fs::path& folder) {
@@ -203,11 +203,11 @@ void WriteReconstructionText(const Reconstruction& reconstruction, const fs::pat
   RequireNoForeignFrames(reconstruction, folder);
   if (!reconstruction.frame_table.IsEmpty()) WriteTextFrameTable(reconstruction, folder);
   WriteFileAtomically(folder / "cameras.txt",
-                      [&](std::ostream& out) { WriteCameras(reconstruction.cameras, out); });
+                      [&](std::ostream& out) { WriteCamerasText(reconstruction.cameras, out); });
   WriteFileAtomically(folder / "images.txt",
-                      [&](std::ostream& out) { WriteImages(reconstruction.images, out); });
+                      [&](std::ostream& out) { WriteImagesText(reconstruction.images, out); });
   WriteFileAtomically(folder / "points3D.txt",
-                      [&](std::ostream& out) { WritePoints(reconstruction.points, out); });
+                      [&](std::ostream& out) { WritePointsText(reconstruction.points, out); });
 }
 
 }  // namespace colmap_ext

@@ -5,13 +5,12 @@
 
 #include "colmap_ext/scene/reconstruction.h"
 #include "colmap_ext/util/error.h"
+#include "scene/same_pose.h"
 
 namespace colmap_ext {
 namespace {
 
 // Photos of a frame may differ from their places in the rig by rounding only.
-constexpr double kSamePoseTolerance = 1e-6;  // radians; metres per metre from the origin
-
 std::string NameOf(const SensorId& sensor) {
   return (sensor.type == SensorType::kCamera ? "camera " : "sensor ") + std::to_string(sensor.id);
 }
@@ -48,12 +47,6 @@ std::optional<Rigid3d> SensorFromRig(const Rig& rig, const SensorId& sensor) {
   if (rig.reference == sensor) return Rigid3d();
   const auto found = rig.sensor_from_rig.find(sensor);
   return found == rig.sensor_from_rig.end() ? std::nullopt : found->second;
-}
-
-bool AreSame(const Rigid3d& a, const Rigid3d& b) {
-  const double scale = 1 + a.translation.norm();
-  return a.rotation.angularDistance(b.rotation) < kSamePoseTolerance &&
-         (a.translation - b.translation).norm() < kSamePoseTolerance * scale;
 }
 
 }  // namespace
@@ -122,7 +115,7 @@ Rigid3d RigFromWorld(const Reconstruction& model, const FrameTable& table, Frame
     if (!sensor_from_rig) continue;
     const SparseImage& image = model.images.at(static_cast<ImageId>(data.id));
     const Rigid3d pose = Inverse(*sensor_from_rig) * image.cam_from_world;
-    if (rig_from_world && !AreSame(*rig_from_world, pose)) {
+    if (rig_from_world && !AreSamePoses(*rig_from_world, pose)) {
       throw Error("frame " + std::to_string(frame_id) + ": the pose of photo '" + image.name +
                   "' is not where rig " + std::to_string(frame.rig_id) +
                   " has its camera; adjust rigs of several cameras with COLMAP itself");

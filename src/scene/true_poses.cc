@@ -8,6 +8,7 @@
 
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
+#include "scene/shortest_digits.h"
 #include "scene/text_numbers.h"
 
 namespace colmap_ext {
@@ -46,11 +47,6 @@ TruePose ParseLine(std::string_view line, const std::string& where) {
 bool IsWritableName(const std::string& name) {
   return !name.empty() && name.find_first_of("\t\r\n#") == std::string::npos &&
          name.find("  ") == std::string::npos && name.front() != ' ' && name.back() != ' ';
-}
-
-std::string ShortestDigits(double value) {
-  std::array<char, 32> digits;
-  return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr};
 }
 
 }  // namespace

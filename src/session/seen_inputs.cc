@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kVersion = 1;
+constexpr int kSeenVersion = 1;
 
 FileStamp StampOf(const fs::path& path) {
   std::error_code error;
@@ -80,7 +80,7 @@ SeenInputs LookAtInputs(const fs::path& image_path, const fs::path& database_pat
 void WriteSeenInputs(const SeenInputs& seen, const fs::path& path) {
   Json photos = Json::object();
   for (const auto& [name, stamp] : seen.photos) photos[name] = ToJson(stamp);
-  WriteJsonFile({{"version", kVersion},
+  WriteJsonFile({{"version", kSeenVersion},
                  {"database", ToJson(seen.database)},
                  {"options", seen.options},
                  {"photos", photos}},
@@ -129,7 +129,7 @@ InputChanges CompareInputs(const SeenInputs& before, const SeenInputs& now,
 SeenInputs ReadSeenInputs(const fs::path& path) {
   const Json json = ReadJsonFile(path);
   const JsonNode root(json, path);
-  if (root["version"].Integer() != kVersion) {
+  if (root["version"].Integer() != kSeenVersion) {
     root["version"].Fail("is not a version that this program knows; use a new workspace");
   }
   SeenInputs seen;

@@ -7,11 +7,7 @@
 #include "sim/autopilot_impl.h"
 
 namespace colmap_ext {
-namespace {
-
-constexpr double kStep = static_cast<double>(kSimulationStepUs) * 1e-6;  // s
-
-}  // namespace
+namespace {}  // namespace
 
 AutopilotPersonality ParsePersonality(const std::string& name) {
   if (name == "px4") return AutopilotPersonality::kPx4;
@@ -64,11 +60,11 @@ SimulatedAutopilot::Impl::Impl(const AutopilotOptions& o, const GeoPosition& sce
 
 void SimulatedAutopilot::Impl::Tick() {
   time_us += kSimulationStepUs;
-  gps.Step(kStep);
+  gps.Step(kSimulationStepS);
   StepFlight();
-  motion.Step(kStep, gps.EstimateError());
-  battery.Step(kStep, motion.state(), is_armed);
-  gimbal.Step(kStep, motion.state().yaw_rad);
+  motion.Step(kSimulationStepS, gps.EstimateError());
+  battery.Step(kSimulationStepS, motion.state(), is_armed);
+  gimbal.Step(kSimulationStepS, motion.state().yaw_rad);
   StepLanded();
   StepFailsafes();
   StepCamera();

@@ -6,6 +6,7 @@
 
 #include "colmap_ext/sim/picture_store.h"
 #include "sim/autopilot_impl.h"
+#include "sim/telemetry_units.h"
 
 namespace colmap_ext {
 namespace {
@@ -14,9 +15,6 @@ constexpr double kShutterLag_s = 0.15;  // from the command to the exposure
 constexpr double kReportLag_s = 0.35;   // from the exposure to the report
 // The clock's time when the vehicle is switched on: the same in every run.
 constexpr std::uint64_t kPowerOnUnixUs = 1'700'000'000'000'000;
-
-std::int32_t DegE7(double deg) { return static_cast<std::int32_t>(std::lround(deg * 1e7)); }
-std::int32_t Millimetres(double m) { return static_cast<std::int32_t>(std::lround(m * 1e3)); }
 
 }  // namespace
 

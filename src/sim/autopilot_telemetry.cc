@@ -4,12 +4,11 @@
 #include <limits>
 
 #include "sim/autopilot_impl.h"
+#include "sim/telemetry_units.h"
 
 namespace colmap_ext {
 namespace {
 
-std::int32_t DegE7(double deg) { return static_cast<std::int32_t>(std::lround(deg * 1e7)); }
-std::int32_t Millimetres(double m) { return static_cast<std::int32_t>(std::lround(m * 1e3)); }
 template <typename Integer>
 Integer Centi(double value) {
   const double most = static_cast<double>(std::numeric_limits<Integer>::max());

@@ -48,11 +48,11 @@ Polygon2d CutDoor(const Polygon2d& outline, const Polygon2d& door) {
   return cut;
 }
 
-void AddSurround(const WallMaterials& materials, const Frame& frame, const Opening& opening,
+void AddSurround(const WallMaterials& materials, const PlaneFrame& frame, const Opening& opening,
                  SceneBuilder* builder) {
   const Polygon2d inner = OpeningOutline(opening, 0);
   const Polygon2d outer = OpeningOutline(opening, opening.surround);
-  const Frame front = frame.Moved(0, 0, kProud);
+  const PlaneFrame front = frame.Moved(0, 0, kProud);
   if (IsDoor(opening)) {
     builder->AddPolygon(materials.trim, front, CutDoor(outer, inner), {}, 0.25);
   } else {
@@ -61,7 +61,7 @@ void AddSurround(const WallMaterials& materials, const Frame& frame, const Openi
   builder->AddStrip(materials.trim, front, outer, true, kProud, 0.4);
 }
 
-void AddLouvres(const Frame& frame, const Opening& o, SceneBuilder* builder) {
+void AddLouvres(const PlaneFrame& frame, const Opening& o, SceneBuilder* builder) {
   for (double v = o.sill_v + 0.08; v < o.sill_v + o.height - 0.35 * o.width; v += 0.24) {
     builder->AddBar(o.bar_material, frame.At(o.center_u - o.width / 2, v, -o.depth * 0.55),
                     frame.At(o.center_u + o.width / 2, v, -o.depth * 0.55), 0.22, 0.04,
@@ -69,7 +69,7 @@ void AddLouvres(const Frame& frame, const Opening& o, SceneBuilder* builder) {
   }
 }
 
-void AddMullions(const Frame& frame, const Opening& o, SceneBuilder* builder) {
+void AddMullions(const PlaneFrame& frame, const Opening& o, SceneBuilder* builder) {
   const double out = -o.depth * 0.6;
   builder->AddBar(o.bar_material, frame.At(o.center_u, o.sill_v, out),
                   frame.At(o.center_u, o.sill_v + o.height, out), 0.10, 0.12, frame.Normal());
@@ -78,14 +78,14 @@ void AddMullions(const Frame& frame, const Opening& o, SceneBuilder* builder) {
                   frame.At(o.center_u + o.width / 2, o.sill_v + o.height * 0.5, out), 0.12, 0.08);
 }
 
-void AddSill(const WallMaterials& materials, const Frame& frame, const Opening& o,
+void AddSill(const WallMaterials& materials, const PlaneFrame& frame, const Opening& o,
              SceneBuilder* builder) {
   const double half = o.width / 2 + o.surround;
-  const Frame front = frame.Moved(o.center_u, o.sill_v - o.surround, 0.14);
+  const PlaneFrame front = frame.Moved(o.center_u, o.sill_v - o.surround, 0.14);
   builder->AddPrism(materials.trim, front, RectanglePolygon(-half, -0.10, half, 0.02), 0.14, 0.4);
 }
 
-void AddOpening(const WallMaterials& materials, const Frame& frame, const Opening& opening,
+void AddOpening(const WallMaterials& materials, const PlaneFrame& frame, const Opening& opening,
                 SceneBuilder* builder) {
   const Polygon2d inner = OpeningOutline(opening, 0);
   const double proud = opening.surround > 0 ? kProud : 0;
@@ -124,12 +124,12 @@ void AddRoofSide(const GabledBuilding& b, const BuildingMaterials& materials, do
   const Eigen::Vector3d up(0, -side * std::cos(b.pitch_rad), std::sin(b.pitch_rad));
   const Eigen::Vector3d along(-side, 0, 0);
   const Eigen::Vector3d eave_middle((x0 + x1) / 2, side * half, eave_z);
-  const Frame top{eave_middle + b.thickness * along.cross(up), along, up};
+  const PlaneFrame top{eave_middle + b.thickness * along.cross(up), along, up};
   AddTileSlope(
       materials.tiles,
       {top, (x1 - x0) / 2, (x1 - x0) / 2, run + b.thickness * std::tan(b.pitch_rad), 0.32, 0.045},
       builder);
-  const Frame under{eave_middle + along * ((x0 - x1) / 2) + run * up, along, -up};
+  const PlaneFrame under{eave_middle + along * ((x0 - x1) / 2) + run * up, along, -up};
   builder->AddRectangle(materials.wood, under, x1 - x0, run, 0.6);
   const Polygon2d outline =
       RectanglePolygon(-(x1 - x0) / 2, 0, (x1 - x0) / 2, run + b.thickness * slope);
@@ -146,9 +146,9 @@ void AddRidge(const GabledBuilding& b, int tiles, SceneBuilder* builder) {
   for (int i = 0; i < pieces; ++i) {
     const double from = x0 + (x1 - x0) * i / pieces;
     const double length = (x1 - x0) / pieces + 0.03;
-    const Frame end{{from + length, 0, z + 0.012 * (i % 2)},
-                    Eigen::Vector3d::UnitY(),
-                    Eigen::Vector3d::UnitZ()};
+    const PlaneFrame end{{from + length, 0, z + 0.012 * (i % 2)},
+                         Eigen::Vector3d::UnitY(),
+                         Eigen::Vector3d::UnitZ()};
     builder->AddPrism(tiles, end, section, length, 0.5, i == 0);
   }
 }
@@ -169,7 +169,7 @@ Polygon2d OpeningOutline(const Opening& o, double grow) {
   return outline;
 }
 
-void AddWall(const WallMaterials& materials, const Frame& frame, const Polygon2d& outline,
+void AddWall(const WallMaterials& materials, const PlaneFrame& frame, const Polygon2d& outline,
              const std::vector<Opening>& openings, SceneBuilder* builder) {
   std::vector<Polygon2d> holes;
   Polygon2d wall = outline;
@@ -187,7 +187,7 @@ void AddWall(const WallMaterials& materials, const Frame& frame, const Polygon2d
 
 void AddTileSlope(int material, const TileSlope& s, SceneBuilder* builder) {
   const double half = std::max(s.eave_half, s.ridge_half);
-  const Frame corner = s.frame.Moved(-half, 0);
+  const PlaneFrame corner = s.frame.Moved(-half, 0);
   const int chart = builder->AddChart(material, {2 * half, s.length}, {0, 0},
                                       [corner](const Eigen::Vector2d& p) { return corner.At(p); });
   const auto half_at = [&](double v) {
@@ -243,23 +243,23 @@ void AddGabledBuilding(const GabledBuilding& b, const BuildingMaterials& materia
   AddRidge(b, materials.tiles, builder);
 }
 
-void AddButtress(const WallMaterials& materials, const Frame& frame, double width, double height,
-                 double depth, SceneBuilder* builder) {
+void AddButtress(const WallMaterials& materials, const PlaneFrame& frame, double width,
+                 double height, double depth, SceneBuilder* builder) {
   // Profile seen from the side: x out of the wall, y up.
   const double step = 0.42 * height, top = 0.82 * height, upper = 0.6 * depth;
   const Polygon2d profile = {{0, 0},       {depth, 0},   {depth, step}, {upper, step + 0.45},
                              {upper, top}, {0.0, height}};
-  const Frame side{frame.At(width / 2, 0), frame.Normal(), frame.v};  // looks along -u
+  const PlaneFrame side{frame.At(width / 2, 0), frame.Normal(), frame.v};  // looks along -u
   Polygon2d body;
   for (const auto& p : profile) body.emplace_back(p);
   // The frame's outside is -u; the other cap is added mirrored.
-  builder->AddPrism(materials.wall, Frame{frame.At(-width / 2, 0), frame.Normal(), frame.v}, body,
-                    width, 0.35, true);
+  builder->AddPrism(materials.wall, PlaneFrame{frame.At(-width / 2, 0), frame.Normal(), frame.v},
+                    body, width, 0.35, true);
   // Weathering slabs on the two slopes.
   const auto slab = [&](const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
     const Eigen::Vector3d from = side.At(low) + 0.03 * frame.Normal();
     const Eigen::Vector3d up = (side.At(high) - side.At(low)).normalized();
-    const Frame top_face{from - frame.u * (width / 2), frame.u, up};
+    const PlaneFrame top_face{from - frame.u * (width / 2), frame.u, up};
     builder->AddPrism(
         materials.trim, top_face.Moved(0, -0.08, 0.05),
         RectanglePolygon(-width / 2 - 0.05, 0, width / 2 + 0.05, (high - low).norm() + 0.10), 0.10,
@@ -271,7 +271,7 @@ void AddButtress(const WallMaterials& materials, const Frame& frame, double widt
 
 void AddOutdoorGround(std::uint32_t seed, const GroundMasks& masks, SceneBuilder* builder) {
   const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY();
-  const Frame flat{Eigen::Vector3d::Zero(), x, y};
+  const PlaneFrame flat{Eigen::Vector3d::Zero(), x, y};
   const Painter painter = Ground(seed, masks);
   const auto square = [](double half) { return RectanglePolygon(-half, -half, half, half); };
   builder->SetObject(kGroundObject);

@@ -31,7 +31,7 @@ struct WallMaterials {
 };
 // The polygon as a wall with recessed openings, surrounds that stand 5 cm proud, and sills. Its
 // first edge is the wall's foot at v = 0; an opening with sill 0 is a door (at most one).
-void AddWall(const WallMaterials& materials, const Frame& frame, const Polygon2d& outline,
+void AddWall(const WallMaterials& materials, const PlaneFrame& frame, const Polygon2d& outline,
              const std::vector<Opening>& openings, SceneBuilder* builder);
 
 // --- roofs ---
@@ -39,7 +39,7 @@ void AddWall(const WallMaterials& materials, const Frame& frame, const Polygon2d
 // along the eave, v up the slope. Half width goes linearly from `eave_half` at v = 0 to
 // `ridge_half` at v = `length`.
 struct TileSlope {
-  Frame frame;
+  PlaneFrame frame;
   double eave_half = 1, ridge_half = 1, length = 1;  // m
   double course = 0.32;                              // m
   double lift = 0.045;                               // m, of a course's lower edge
@@ -67,8 +67,8 @@ void AddGabledBuilding(const GabledBuilding& building, const BuildingMaterials& 
 
 // Stepped buttress against a wall: `frame` has its origin at the foot in the middle, u along the
 // wall, v up, the outside towards the viewer.
-void AddButtress(const WallMaterials& materials, const Frame& frame, double width, double height,
-                 double depth, SceneBuilder* builder);
+void AddButtress(const WallMaterials& materials, const PlaneFrame& frame, double width,
+                 double height, double depth, SceneBuilder* builder);
 
 // Flat ground in rings of falling resolution around the origin, 400 m wide so that no photo shows
 // its end; paths and paving lie in the inner 80 m.

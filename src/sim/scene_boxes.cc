@@ -26,7 +26,7 @@ void Place(double x, double y, double turn_deg, SceneBuilder* builder, double z 
 
 // The four upright sides of a box around the local origin.
 void AddSides(int material, double a, double b, double height, SceneBuilder* builder) {
-  const auto side = [&](const Frame& frame, double width) {
+  const auto side = [&](const PlaneFrame& frame, double width) {
     builder->AddRectangle(material, frame, width, height, kEdge, kBulge);
   };
   side({{-a / 2, -b / 2, 0}, kX, kZ}, a);
@@ -54,7 +54,7 @@ void AddHouse(int material, double a, double b, double wall, double rise, SceneB
       {-a / 2 - over, wall - over * slope}, {0, wall + rise},
       {a / 2 + over, wall - over * slope},  {a / 2 + over, wall - over * slope + thick},
       {0, wall + rise + thick * 1.4},       {-a / 2 - over, wall - over * slope + thick}};
-  const Frame front{{0, -b / 2 - over, 0}, kX, kZ};
+  const PlaneFrame front{{0, -b / 2 - over, 0}, kX, kZ};
   builder->AddStrip(material, front, board, true, b + 2 * over, kEdge);
   builder->AddPolygon(material, front, board, {}, 0.2);
   Polygon2d back;
@@ -80,7 +80,7 @@ void AddOpenBox(int material, double a, double b, double height, SceneBuilder* b
   AddSides(material, a, b, height, builder);
   const double wall = 0.012, ia = a - 2 * wall, ib = b - 2 * wall;
   builder->AddRectangle(material, {{-ia / 2, -ib / 2, 0.02}, kX, kY}, ia, ib, kEdge);
-  const auto inner = [&](const Frame& frame, double width) {
+  const auto inner = [&](const PlaneFrame& frame, double width) {
     builder->AddRectangle(material, frame, width, height - 0.02, kEdge);
   };
   inner({{ia / 2, -ib / 2, 0.02}, -kX, kZ}, ia);

@@ -48,13 +48,13 @@ void SceneBuilder::Displace(int vertex, const Eigen::Vector3d& offset_in_world) 
   vertices_[static_cast<std::size_t>(vertex)].world += offset_in_world;
 }
 
-void SceneBuilder::AddPolygon(int material, const Frame& frame, const Polygon2d& outer,
+void SceneBuilder::AddPolygon(int material, const PlaneFrame& frame, const Polygon2d& outer,
                               const std::vector<Polygon2d>& holes, double max_edge_m,
                               double relief_m) {
   const PlanarMesh mesh = MeshPolygon(outer, holes, max_edge_m);
   Eigen::AlignedBox2d bounds;
   for (const auto& p : outer) bounds.extend(p);
-  const Frame corner = frame.Moved(bounds.min().x(), bounds.min().y());
+  const PlaneFrame corner = frame.Moved(bounds.min().x(), bounds.min().y());
   // The pattern of a plane is tied to the world, so that it goes on from polygon to polygon.
   const Eigen::Vector2d pattern(corner.origin.dot(frame.u), corner.origin.dot(frame.v));
   const int chart = AddChart(material, bounds.sizes(), pattern,
@@ -73,7 +73,7 @@ void SceneBuilder::AddPolygon(int material, const Frame& frame, const Polygon2d&
   for (const auto& face : mesh.faces) AddTriangle(at(face[0]), at(face[1]), at(face[2]));
 }
 
-void SceneBuilder::AddRectangle(int material, const Frame& frame, double a, double b,
+void SceneBuilder::AddRectangle(int material, const PlaneFrame& frame, double a, double b,
                                 double max_edge_m, double relief_m) {
   const Eigen::Vector2d pattern(frame.origin.dot(frame.u), frame.origin.dot(frame.v));
   const int nu = std::max(1, static_cast<int>(std::ceil(a / max_edge_m)));
@@ -128,7 +128,7 @@ void SceneBuilder::AddGrid(int material, int nu, int nv, const Eigen::Vector2d& 
 
 // The side quad of a prism below the front edge from -> to. Axes are chosen so that the pattern's
 // courses stay level on upright sides.
-void SceneBuilder::AddStripQuad(int material, const Frame& front, const Eigen::Vector2d& from,
+void SceneBuilder::AddStripQuad(int material, const PlaneFrame& front, const Eigen::Vector2d& from,
                                 const Eigen::Vector2d& to, double depth_m, double max_edge_m) {
   const double length = (to - from).norm();
   if (length < 1e-6) return;
@@ -143,15 +143,15 @@ void SceneBuilder::AddStripQuad(int material, const Frame& front, const Eigen::V
   }
 }
 
-void SceneBuilder::AddStrip(int material, const Frame& frame, const Polygon2d& line, bool closed,
-                            double depth_m, double max_edge_m) {
+void SceneBuilder::AddStrip(int material, const PlaneFrame& frame, const Polygon2d& line,
+                            bool closed, double depth_m, double max_edge_m) {
   const std::size_t edges = closed ? line.size() : line.size() - 1;
   for (std::size_t i = 0; i < edges; ++i) {
     AddStripQuad(material, frame, line[i], line[(i + 1) % line.size()], depth_m, max_edge_m);
   }
 }
 
-void SceneBuilder::AddPrism(int material, const Frame& frame, const Polygon2d& polygon,
+void SceneBuilder::AddPrism(int material, const PlaneFrame& frame, const Polygon2d& polygon,
                             double depth_m, double max_edge_m, bool with_back) {
   AddPolygon(material, frame, polygon, {}, max_edge_m);
   AddStrip(material, frame, polygon, true, depth_m, max_edge_m);
@@ -166,7 +166,7 @@ void SceneBuilder::AddBlock(int material, const Eigen::Vector3d& low, const Eige
   const Eigen::Vector3d size = high - low;
   const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY();
   const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
-  const auto side = [&](const Frame& frame, double a, double b) {
+  const auto side = [&](const PlaneFrame& frame, double a, double b) {
     AddRectangle(material, frame, a, b, max_edge_m);
   };
   side({low, x, z}, size.x(), size.z());

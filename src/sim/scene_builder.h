@@ -29,7 +29,7 @@ struct SurfacePoint {
 using Painter = std::function<Eigen::Vector3f(const SurfacePoint&)>;
 
 // A plane with axes: origin + a u + b v; u and v are orthonormal, the outside is u x v.
-struct Frame {
+struct PlaneFrame {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   Eigen::Vector3d u = Eigen::Vector3d::UnitX();
   Eigen::Vector3d v = Eigen::Vector3d::UnitZ();
@@ -42,7 +42,7 @@ struct Frame {
     return At(p.x(), p.y(), out);
   }
   // The same plane moved by (a, b, out).
-  Frame Moved(double a, double b, double out = 0) const { return {At(a, b, out), u, v}; }
+  PlaneFrame Moved(double a, double b, double out = 0) const { return {At(a, b, out), u, v}; }
 };
 
 class SceneBuilder {
@@ -72,10 +72,10 @@ class SceneBuilder {
   // --- surfaces ---
   // Planar polygon (counter-clockwise, in the frame) with holes, meshed with edges up to
   // `max_edge_m`; inner vertices get a smooth relief of `relief_m` along the normal.
-  void AddPolygon(int material, const Frame& frame, const Polygon2d& outer,
+  void AddPolygon(int material, const PlaneFrame& frame, const Polygon2d& outer,
                   const std::vector<Polygon2d>& holes, double max_edge_m, double relief_m = 0);
   // Rectangle [0, a] x [0, b] of the frame, as a grid.
-  void AddRectangle(int material, const Frame& frame, double a, double b, double max_edge_m,
+  void AddRectangle(int material, const PlaneFrame& frame, double a, double b, double max_edge_m,
                     double relief_m = 0);
   // Grid of nu x nv cells over (s, t) in [0, 1]²: `local_at` gives positions, `chart_at` chart
   // metres within `size_m`. Outside is d/ds x d/dt.
@@ -84,11 +84,11 @@ class SceneBuilder {
                const std::function<Eigen::Vector2d(double, double)>& chart_at);
   // Convex or not, the polygon lies in `frame` (the front) and is extruded by `depth_m` backwards.
   // Sides and front; the back only when `with_back`.
-  void AddPrism(int material, const Frame& frame, const Polygon2d& polygon, double depth_m,
+  void AddPrism(int material, const PlaneFrame& frame, const Polygon2d& polygon, double depth_m,
                 double max_edge_m, bool with_back = false);
   // Strip along an open or closed line in the frame, from the frame's plane `depth_m` backwards.
   // The outside is to the right of the line's direction.
-  void AddStrip(int material, const Frame& frame, const Polygon2d& line, bool closed,
+  void AddStrip(int material, const PlaneFrame& frame, const Polygon2d& line, bool closed,
                 double depth_m, double max_edge_m);
   // Axis-aligned block in local coordinates.
   void AddBlock(int material, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
@@ -124,7 +124,7 @@ class SceneBuilder {
     Eigen::Vector2d chart_m;
   };
 
-  void AddStripQuad(int material, const Frame& front, const Eigen::Vector2d& from,
+  void AddStripQuad(int material, const PlaneFrame& front, const Eigen::Vector2d& from,
                     const Eigen::Vector2d& to, double depth_m, double max_edge_m);
   void MarkUsedCharts(const std::vector<bool>& keep_face);
   cv::Size PackCharts(int material);

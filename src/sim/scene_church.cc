@@ -21,7 +21,7 @@ constexpr double kTowerWest = -10.6, kTowerSize = 5.2, kTowerHeight = 12.6;
 constexpr double kNaveWest = kTowerWest + kTowerSize, kNaveLength = 11.4, kNaveWidth = 8.2;
 constexpr double kChancelLength = 4.4, kChancelWidth = 5.6;
 
-ChurchMaterials AddMaterials(std::uint32_t seed, SceneBuilder* builder) {
+ChurchMaterials AddChurchMaterials(std::uint32_t seed, SceneBuilder* builder) {
   ChurchMaterials m;
   m.building.walls.wall = builder->AddMaterial("rubble", 0.014, RubbleStone(seed + 1));
   m.building.walls.trim = builder->AddMaterial("dressed_stone", 0.014,
@@ -75,12 +75,12 @@ void AddBand(int material, double x0, double x1, double half, double z0, double 
              SceneBuilder* builder) {
   const Polygon2d inner = RectanglePolygon(x0, -half, x1, half);
   const Polygon2d outer = RectanglePolygon(x0 - proud, -half - proud, x1 + proud, half + proud);
-  const Frame top{{0, 0, z1}, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()};
+  const PlaneFrame top{{0, 0, z1}, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()};
   builder->AddStrip(material, top, outer, true, z1 - z0, 0.5);
   builder->AddPolygon(material, top, outer, {inner}, 0.5);
   if (z0 <= 0) return;
   // From below, y runs the other way; the bands are symmetric in y.
-  const Frame bottom{{0, 0, z0}, Eigen::Vector3d::UnitX(), -Eigen::Vector3d::UnitY()};
+  const PlaneFrame bottom{{0, 0, z0}, Eigen::Vector3d::UnitX(), -Eigen::Vector3d::UnitY()};
   builder->AddPolygon(material, bottom, outer, {inner}, 0.5);
 }
 
@@ -173,7 +173,7 @@ void AddTowerWalls(const ChurchMaterials& m, SceneBuilder* builder) {
       openings.push_back(Window(m, size / 2, 1.9, 0.6, 1.7));
     }
     builder->SetPlacement(Placed(kTowerWest + size / 2, 0, side * M_PI / 2));
-    const Frame frame{
+    const PlaneFrame frame{
         {-size / 2, -size / 2, 0}, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ()};
     AddWall(m.building.walls, frame, wall, openings, builder);
   }
@@ -208,7 +208,7 @@ void AddSpire(const ChurchMaterials& m, SceneBuilder* builder) {
   const double run = std::hypot(half, rise);
   for (int side = 0; side < 4; ++side) {
     builder->SetPlacement(Placed(kTowerWest + kTowerSize / 2, 0, side * M_PI / 2));
-    const Frame slope{
+    const PlaneFrame slope{
         {0, -half, base}, Eigen::Vector3d::UnitX(), Eigen::Vector3d(0, half / run, rise / run)};
     AddTileSlope(m.building.tiles, {slope, half, 0.0, run, 0.32, 0.045}, builder);
     builder->AddBar(m.building.tiles, {half - 0.02, -half + 0.02, base + 0.05},
@@ -276,7 +276,7 @@ GroundMasks ChurchGround() {
 TexturedScene MakeChurch(std::uint64_t seed, double texel_scale) {
   SceneBuilder builder(seed, texel_scale);
   const auto salt = static_cast<std::uint32_t>(seed) * 1000U;
-  const ChurchMaterials materials = AddMaterials(salt, &builder);
+  const ChurchMaterials materials = AddChurchMaterials(salt, &builder);
   AddNave(materials, &builder);
   AddChancel(materials, &builder);
   AddPorch(materials, &builder);

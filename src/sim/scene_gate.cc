@@ -43,7 +43,7 @@ Painter Plaque(std::uint32_t seed) {
   };
 }
 
-GateMaterials AddMaterials(std::uint32_t seed, SceneBuilder* builder) {
+GateMaterials AddGateMaterials(std::uint32_t seed, SceneBuilder* builder) {
   GateMaterials m;
   m.granite =
       builder->AddMaterial("granite", 0.0125, DressedStone(seed + 1, Rgb(0.66F, 0.64F, 0.61F)));
@@ -281,7 +281,7 @@ GroundMasks GateGround() {
 TexturedScene MakeGate(std::uint64_t seed, double texel_scale) {
   SceneBuilder builder(seed, texel_scale);
   const auto salt = static_cast<std::uint32_t>(seed) * 1000U + 400U;
-  const GateMaterials materials = AddMaterials(salt, &builder);
+  const GateMaterials materials = AddGateMaterials(salt, &builder);
   AddPlatform(materials, &builder);
   AddHall(materials, &builder);
   builder.SetObject(kLowerRoof);

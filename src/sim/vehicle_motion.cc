@@ -9,8 +9,7 @@
 namespace colmap_ext {
 namespace {
 
-constexpr double kStep = static_cast<double>(kSimulationStepUs) * 1e-6;  // s
-constexpr double kGravity = 9.81;                                        // m/s²
+constexpr double kGravity = 9.81;        // m/s²
 constexpr double kDrag = 0.12;           // 1/s: 8 m/s of wind push with 1 m/s²
 constexpr double kJerk = 25;             // m/s³: full thrust angle in about 0.1 s
 constexpr double kVelocityGain = 2.5;    // 1/s
@@ -94,7 +93,7 @@ void VehicleMotion::Step(double dt_s, const Eigen::Vector3d& estimate_error) {
 }
 
 void VehicleMotion::OneStep(const Eigen::Vector3d& estimate_error) {
-  state_.wind = MeanWind(options_.wind) + gusts_.Step(kStep);
+  state_.wind = MeanWind(options_.wind) + gusts_.Step(kSimulationStepS);
   if (target_.motors) {
     StepVelocity(WantedVelocity(state_.position + estimate_error));
     StepYaw();
@@ -105,8 +104,8 @@ void VehicleMotion::OneStep(const Eigen::Vector3d& estimate_error) {
     const Eigen::Vector3d fall(0, 0, -kGravity);
     state_.acceleration = state_.on_ground ? Eigen::Vector3d(0, 0, 0) : fall;
   }
-  state_.velocity += state_.acceleration * kStep;
-  state_.position += state_.velocity * kStep;
+  state_.velocity += state_.acceleration * kSimulationStepS;
+  state_.position += state_.velocity * kSimulationStepS;
   StepGround();
   // Thrust leans into the acceleration: nose down to go forward, right side down to go right.
   const double s = std::sin(state_.yaw_rad), c = std::cos(state_.yaw_rad);
@@ -142,9 +141,9 @@ void VehicleMotion::StepVelocity(const Eigen::Vector3d& wanted) {
   // Limited as a whole, so that it keeps its direction: paths stay straight.
   const Eigen::Vector3d total =
       Limited(kVelocityGain * (wanted - state_.velocity), options_.max_acceleration_m_s2);
-  thrust_ += Limited(total - disturbance_ - thrust_, kJerk * kStep);
+  thrust_ += Limited(total - disturbance_ - thrust_, kJerk * kSimulationStepS);
   const Eigen::Vector3d drag = kDrag * (state_.wind - state_.velocity);
-  disturbance_ += (drag - disturbance_) * (kStep / kObserverTime_s);
+  disturbance_ += (drag - disturbance_) * (kSimulationStepS / kObserverTime_s);
   disturbance_ = Limited(disturbance_, kMaxDisturbance);
   state_.acceleration = thrust_ + drag;
   if (state_.on_ground && wanted.z() <= kHoldClimb_m_s) {
@@ -164,10 +163,10 @@ void VehicleMotion::StepYaw() {
   const double size = std::min(
       {max_rate, 3 * std::abs(error), std::sqrt(2 * kBrakingShare * max_accel * std::abs(error))});
   const double wanted = std::copysign(size, error);
-  const double change =
-      std::clamp(wanted - state_.yaw_rate_rad_s, -max_accel * kStep, max_accel * kStep);
+  const double change = std::clamp(wanted - state_.yaw_rate_rad_s, -max_accel * kSimulationStepS,
+                                   max_accel * kSimulationStepS);
   state_.yaw_rate_rad_s = std::clamp(state_.yaw_rate_rad_s + change, -max_rate, max_rate);
-  state_.yaw_rad = NormalizeAngle(state_.yaw_rad + state_.yaw_rate_rad_s * kStep);
+  state_.yaw_rad = NormalizeAngle(state_.yaw_rad + state_.yaw_rate_rad_s * kSimulationStepS);
 }
 
 void VehicleMotion::StepGround() {

@@ -9,8 +9,6 @@
 namespace colmap_ext {
 namespace {
 
-constexpr double kStep = static_cast<double>(kSimulationStepUs) * 1e-6;  // s
-
 // Vertical fixes are worse by the geometry of the satellites.
 Eigen::Vector3d GpsSigma(double horizontal_m) {
   return {horizontal_m, horizontal_m, 1.5 * horizontal_m};
@@ -37,19 +35,19 @@ void SimulatedGps::Step(double dt_s) {
 }
 
 void SimulatedGps::OneStep() {
-  time_s_ += kStep;
-  bias_.Step(kStep);
-  fix_noise_.Step(kStep);
-  estimate_noise_.Step(kStep);
-  glitch_time_s_ = IsGlitching() ? glitch_time_s_ + kStep : 0;
+  time_s_ += kSimulationStepS;
+  bias_.Step(kSimulationStepS);
+  fix_noise_.Step(kSimulationStepS);
+  estimate_noise_.Step(kSimulationStepS);
+  glitch_time_s_ = IsGlitching() ? glitch_time_s_ + kSimulationStepS : 0;
   if (!IsGlitching() || glitch_time_s_ > kGlitchRejection_s) {
-    followed_glitch_ += (glitch_ - followed_glitch_) * (kStep / 1.0);
+    followed_glitch_ += (glitch_ - followed_glitch_) * (kSimulationStepS / 1.0);
   }
   // Without a fix the estimate drifts away slowly, and comes back with it.
   if (HasFix()) {
-    drift_ *= 1 - kStep / 2.0;
+    drift_ *= 1 - kSimulationStepS / 2.0;
   } else {
-    drift_ += 0.1 * kStep * Eigen::Vector3d(1, 0.5, 0);
+    drift_ += 0.1 * kSimulationStepS * Eigen::Vector3d(1, 0.5, 0);
   }
 }
 

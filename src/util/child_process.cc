@@ -17,6 +17,7 @@
 #include <sstream>
 
 #include "colmap_ext/util/error.h"
+#include "util/seconds_of.h"
 
 extern char** environ;
 
@@ -102,17 +103,13 @@ class OutputCollector {
   std::string kept_;
 };
 
-double Seconds(const timeval& time) {
-  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-}
-
 void WaitForChild(pid_t child, ChildProcessResult* result) {
   int status = 0;
   rusage usage{};
   while (wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
   }
   result->exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  result->cpu_s = Seconds(usage.ru_utime) + Seconds(usage.ru_stime);
+  result->cpu_s = SecondsOf(usage.ru_utime) + SecondsOf(usage.ru_stime);
   result->peak_mib = static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 

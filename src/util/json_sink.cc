@@ -10,7 +10,7 @@
 namespace colmap_ext {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using JsonLine = nlohmann::ordered_json;
 
 const char* NameOf(LogLevel level) {
   switch (level) {
@@ -26,8 +26,8 @@ const char* NameOf(LogLevel level) {
   return "error";
 }
 
-void PrintLine(const Json& line) {
-  const std::string text = line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+void PrintLine(const JsonLine& line) {
+  const std::string text = line.dump(-1, ' ', false, JsonLine::error_handler_t::replace) + "\n";
   std::fwrite(text.data(), 1, text.size(), stderr);
   std::fflush(stderr);
 }
@@ -70,7 +70,7 @@ void JsonSink::Progress(std::string_view stage, std::size_t done, std::size_t to
 }
 
 void JsonSink::Event(std::string_view name, const nlohmann::ordered_json& fields) {
-  Json line = {{"time", UtcNow()}, {"event", name}};
+  JsonLine line = {{"time", UtcNow()}, {"event", name}};
   if (!fields.is_null()) line.update(fields);
   const std::lock_guard lock(state_->mutex);
   PrintLine(line);

@@ -5,12 +5,10 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "util/seconds_of.h"
+
 namespace colmap_ext {
 namespace {
-
-double Seconds(const timeval& time) {
-  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-}
 
 StageCost Now() {
   rusage self{};
@@ -20,8 +18,8 @@ StageCost Now() {
   StageCost cost;
   const auto since_epoch = std::chrono::steady_clock::now().time_since_epoch();
   cost.wall_s = std::chrono::duration<double>(since_epoch).count();
-  cost.cpu_s = Seconds(self.ru_utime) + Seconds(self.ru_stime) + Seconds(children.ru_utime) +
-               Seconds(children.ru_stime);
+  cost.cpu_s = SecondsOf(self.ru_utime) + SecondsOf(self.ru_stime) + SecondsOf(children.ru_utime) +
+               SecondsOf(children.ru_stime);
   cost.peak_mib = static_cast<double>(self.ru_maxrss) / 1024.0;  // Linux counts in KiB
   return cost;
 }

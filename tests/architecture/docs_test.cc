@@ -10,7 +10,7 @@
 namespace {
 namespace fs = std::filesystem;
 
-const fs::path kRoot = COLMAP_EXT_SOURCE_DIR;
+const fs::path kProjectRoot = COLMAP_EXT_SOURCE_DIR;
 
 std::string ReadAll(const fs::path& path) {
   std::ostringstream text;
@@ -22,7 +22,7 @@ std::string ReadAll(const fs::path& path) {
 std::string SourceText() {
   std::string text;
   for (const char* tree : {"src", "colmap_ext", "include"}) {
-    for (const auto& entry : fs::recursive_directory_iterator(kRoot / tree)) {
+    for (const auto& entry : fs::recursive_directory_iterator(kProjectRoot / tree)) {
       const fs::path extension = entry.path().extension();
       if (extension != ".cc" && extension != ".h") continue;
       std::istringstream lines(ReadAll(entry.path()));
@@ -44,7 +44,7 @@ std::string SourceText() {
 TEST(Docs, TroubleshootingQuotesMessagesOfTheCode) {
   const std::string sources = SourceText();
   const std::regex heading(R"(^### `(.*)`$)");
-  std::ifstream page(kRoot / "docs" / "troubleshooting.md");
+  std::ifstream page(kProjectRoot / "docs" / "troubleshooting.md");
   std::size_t messages = 0;
   for (std::string line; std::getline(page, line);) {
     std::smatch match;
@@ -58,7 +58,7 @@ TEST(Docs, TroubleshootingQuotesMessagesOfTheCode) {
 TEST(Docs, LinksLeadSomewhere) {
   const std::regex link(R"(\]\(([^)#:]+)(#[^)]*)?\))");
   std::size_t links = 0;
-  for (const fs::path& folder : {kRoot, kRoot / "docs"}) {
+  for (const fs::path& folder : {kProjectRoot, kProjectRoot / "docs"}) {
     for (const auto& entry : fs::directory_iterator(folder)) {
       if (entry.path().extension() != ".md") continue;
       const std::string text = ReadAll(entry.path());
@@ -72,9 +72,9 @@ TEST(Docs, LinksLeadSomewhere) {
 }
 
 TEST(Docs, ExamplesAreNumberedRunAndExplained) {
-  const std::string runner = ReadAll(kRoot / "examples" / "run_all.sh");
+  const std::string runner = ReadAll(kProjectRoot / "examples" / "run_all.sh");
   int count = 0;
-  for (const auto& entry : fs::directory_iterator(kRoot / "examples")) {
+  for (const auto& entry : fs::directory_iterator(kProjectRoot / "examples")) {
     const std::string name = entry.path().filename();
     if (!std::regex_match(name, std::regex(R"([0-9][0-9]_[a-z0-9_]+\.(sh|py))"))) continue;
     ++count;

@@ -36,8 +36,8 @@ struct FakeColmap {
 
 class BackEnds : public ::testing::Test {
  protected:
-  BackEnds() : survey_(testing::WallSurvey(3)) {
-    model_ = testing::WriteSurvey(testing::WallScene(), survey_, folder_ / "images");
+  BackEnds() : survey_(test::WallSurvey(3)) {
+    model_ = test::WriteSurvey(test::WallScene(), survey_, folder_ / "images");
     photos_ = std::make_unique<PhotoSource>(model_, folder_ / "images", 0);
     request_.photos = photos_.get();
     request_.workspace_path = folder_ / "out";
@@ -68,7 +68,7 @@ class BackEnds : public ::testing::Test {
   }
 
   TestFolder folder_;
-  testing::AnalyticSurvey survey_;
+  test::AnalyticSurvey survey_;
   Reconstruction model_;
   std::unique_ptr<PhotoSource> photos_;
   DenseRequest request_;

@@ -12,9 +12,9 @@ namespace colmap_ext {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::WallScene;
-using testing::WallSurvey;
-using testing::WriteSurvey;
+using test::WallScene;
+using test::WallSurvey;
+using test::WriteSurvey;
 
 DenseStereoOptions SmallOptions() {
   DenseStereoOptions options;
@@ -77,7 +77,7 @@ class Builtin : public ::testing::Test {
   }
 
   TestFolder folder_;
-  testing::AnalyticSurvey survey_;
+  test::AnalyticSurvey survey_;
   Reconstruction model_;
 };
 
@@ -88,7 +88,7 @@ TEST_F(Builtin, ReconstructsTheWallAndThePanel) {
   int on_panel = 0;
   for (const OrientedPoint& point : points) {
     double nearest = 1e9;
-    for (const testing::Rectangle& r : WallScene().rectangles) {
+    for (const test::Rectangle& r : WallScene().rectangles) {
       nearest = std::min(nearest, std::abs(r.Normal().dot(point.position - r.origin)));
     }
     on_panel += std::abs(point.position.y() - 6.5) < 0.1;
@@ -198,7 +198,7 @@ TEST_F(Builtin, TakesTheDepthRangeFromAFastModel) {
 
 TEST(PhotoSource, UndistortsAndRefusesOtherShapes) {
   TestFolder folder;
-  const testing::AnalyticSurvey survey = WallSurvey(2);
+  const test::AnalyticSurvey survey = WallSurvey(2);
   Reconstruction model = WriteSurvey(WallScene(), survey, folder / "images");
   Camera& camera = model.cameras[1];
   camera.model = CameraModel::kRadial;
@@ -222,7 +222,7 @@ TEST(PhotoSource, UndistortsAndRefusesOtherShapes) {
 }
 
 TEST(StereoPartners, PreferNeighboursThatShareManyPointsAtGoodAngles) {
-  const testing::AnalyticSurvey survey = WallSurvey(8);
+  const test::AnalyticSurvey survey = WallSurvey(8);
   DenseStereoOptions options;
   options.num_partners = 3;
   const auto partners = ChooseStereoPartners(survey.photos, options);

@@ -10,13 +10,13 @@
 namespace colmap_ext {
 namespace {
 
-const PinholeCamera kCamera{80, 60, 70, 70, 40, 30};
+const PinholeCamera kFilteredCamera{80, 60, 70, 70, 40, 30};
 
 // A camera at `position` looking north at the plane y = `north`, depth exact.
 DepthView PlaneView(const Eigen::Vector3d& position, double north) {
-  DepthView view{kCamera, CamFromWorld(position, {0, 0}), cv::Mat()};
-  view.inverse_depth =
-      cv::Mat(kCamera.height, kCamera.width, CV_32F, cv::Scalar(1 / (north - position.y())));
+  DepthView view{kFilteredCamera, CamFromWorld(position, {0, 0}), cv::Mat()};
+  view.inverse_depth = cv::Mat(kFilteredCamera.height, kFilteredCamera.width, CV_32F,
+                               cv::Scalar(1 / (north - position.y())));
   return view;
 }
 
@@ -67,10 +67,10 @@ TEST(AskWitness, ComparesDepthAndReprojection) {
 
 // Inverse depth of the plane through (0, 0, z) with the given normal in the camera frame.
 cv::Mat PlaneMap(const Eigen::Vector3d& normal, double z) {
-  cv::Mat map(kCamera.height, kCamera.width, CV_32F);
+  cv::Mat map(kFilteredCamera.height, kFilteredCamera.width, CV_32F);
   for (int y = 0; y < map.rows; ++y) {
     for (int x = 0; x < map.cols; ++x) {
-      const double value = normal.dot(kCamera.Ray({x + 0.5, y + 0.5})) / (normal.z() * z);
+      const double value = normal.dot(kFilteredCamera.Ray({x + 0.5, y + 0.5})) / (normal.z() * z);
       map.at<float>(y, x) = static_cast<float>(std::max(0.0, value));
     }
   }
@@ -80,7 +80,7 @@ cv::Mat PlaneMap(const Eigen::Vector3d& normal, double z) {
 TEST(FitPlanes, GivesTheExactNormalAndDepthOfAPlane) {
   const Eigen::Vector3d normal = Eigen::Vector3d(0.3, -0.6, -0.8).normalized();
   const cv::Mat map = PlaneMap(normal, 12);
-  const PlaneMaps planes = FitPlanes(kCamera, map, DenseStereoOptions());
+  const PlaneMaps planes = FitPlanes(kFilteredCamera, map, DenseStereoOptions());
   for (const cv::Point p : {cv::Point(40, 30), cv::Point(12, 45), cv::Point(0, 30)}) {
     const cv::Vec3f n = planes.normal.at<cv::Vec3f>(p);
     EXPECT_GT(normal.dot(Eigen::Vector3d(n[0], n[1], n[2])), 1 - 1e-5);
@@ -91,13 +91,13 @@ TEST(FitPlanes, GivesTheExactNormalAndDepthOfAPlane) {
 TEST(FitPlanes, SmoothsNoiseAndKeepsEdges) {
   std::mt19937 random(3);
   std::normal_distribution<float> noise(0, 2e-4F);
-  cv::Mat map(kCamera.height, kCamera.width, CV_32F);
+  cv::Mat map(kFilteredCamera.height, kFilteredCamera.width, CV_32F);
   for (int y = 0; y < map.rows; ++y) {
     for (int x = 0; x < map.cols; ++x) {
       map.at<float>(y, x) = (x < 40 ? 0.1F : 0.15F) + noise(random);
     }
   }
-  const PlaneMaps planes = FitPlanes(kCamera, map, DenseStereoOptions());
+  const PlaneMaps planes = FitPlanes(kFilteredCamera, map, DenseStereoOptions());
   double before = 0, after = 0;
   for (int y = 0; y < map.rows; ++y) {
     for (int x = 0; x < map.cols; ++x) {
@@ -110,18 +110,21 @@ TEST(FitPlanes, SmoothsNoiseAndKeepsEdges) {
 }
 
 TEST(FitPlanes, DropsCrumbsAndGrazingPlanes) {
-  cv::Mat crumbs = cv::Mat::zeros(kCamera.height, kCamera.width, CV_32F);
+  cv::Mat crumbs = cv::Mat::zeros(kFilteredCamera.height, kFilteredCamera.width, CV_32F);
   crumbs(cv::Rect(10, 10, 2, 2)).setTo(0.1);
   crumbs(cv::Rect(30, 10, 9, 1)).setTo(0.1);  // a line has no plane
-  EXPECT_EQ(cv::countNonZero(FitPlanes(kCamera, crumbs, DenseStereoOptions()).inverse_depth), 0);
+  EXPECT_EQ(
+      cv::countNonZero(FitPlanes(kFilteredCamera, crumbs, DenseStereoOptions()).inverse_depth), 0);
 }
 
 FusionView FusionPlane(const Eigen::Vector3d& position, double north, int index) {
   FusionView view;
   view.depth = PlaneView(position, north);
-  view.normal = cv::Mat(kCamera.height, kCamera.width, CV_32FC3, cv::Scalar(0, 0, -1));
-  view.photos = cv::Mat(kCamera.height, kCamera.width, CV_8U, cv::Scalar(2));
-  view.bgr = cv::Mat(kCamera.height, kCamera.width, CV_8UC3, cv::Scalar(10, 20, 30));
+  view.normal =
+      cv::Mat(kFilteredCamera.height, kFilteredCamera.width, CV_32FC3, cv::Scalar(0, 0, -1));
+  view.photos = cv::Mat(kFilteredCamera.height, kFilteredCamera.width, CV_8U, cv::Scalar(2));
+  view.bgr =
+      cv::Mat(kFilteredCamera.height, kFilteredCamera.width, CV_8UC3, cv::Scalar(10, 20, 30));
   view.photo_index = index;
   return view;
 }

@@ -9,16 +9,15 @@
 namespace colmap_ext {
 namespace {
 
-using testing::DepthScore;
-using testing::LookingNorthFrom;
-using testing::Score;
-using testing::ViewFrom;
+using test::DepthScore;
+using test::LookingNorthFrom;
+using test::Score;
+using test::ViewFrom;
 
 const DepthRange kRange{4, 20};
 
 cv::Mat1d TruthFrom(const Rigid3d& cam_from_world) {
-  return testing::Photograph(testing::WallScene(), testing::SmallCamera(), cam_from_world, "t.png")
-      .depth;
+  return test::Photograph(test::WallScene(), test::SmallCamera(), cam_from_world, "t.png").depth;
 }
 
 TEST(MatchPair, FindsTheDepthForEveryDirectionOfTheBaseline) {
@@ -126,16 +125,16 @@ TEST(FillHoles, KeepsWhatIsThereAndContinuesIt) {
 }
 
 TEST(EstimateDepth, IsExactAndCompleteFromCoarseToFine) {
-  const testing::AnalyticSurvey survey = testing::WallSurvey(4);
+  const test::AnalyticSurvey survey = test::WallSurvey(4);
   DenseStereoOptions options;
   options.coarse_width_px = 64;
   options.residual_px = 8;
   std::vector<StereoView> partners;
   for (const std::size_t i : {0U, 2U, 3U}) {
-    partners.push_back(testing::ViewOf(survey.photos.photos[i]));
+    partners.push_back(test::ViewOf(survey.photos.photos[i]));
   }
   const MergedDepth depth =
-      EstimateDepth(testing::ViewOf(survey.photos.photos[1]), partners, kRange, options);
+      EstimateDepth(test::ViewOf(survey.photos.photos[1]), partners, kRange, options);
   const DepthScore score = Score(depth.inverse_depth, survey.depth[1]);
   EXPECT_GT(score.valid, 0.85);
   EXPECT_GT(score.good, 0.85);

@@ -10,7 +10,7 @@
 #include "colmap_ext/scene/reconstruction.h"
 #include "mvs/analytic_scene.h"
 
-namespace colmap_ext::testing {
+namespace colmap_ext::test {
 
 // A slanted wall 8 … 11 m north of the cameras, and a panel 2 m before it.
 inline AnalyticScene WallScene() {
@@ -107,4 +107,4 @@ inline Reconstruction WriteSurvey(const AnalyticScene& scene, const AnalyticSurv
   return model;
 }
 
-}  // namespace colmap_ext::testing
+}  // namespace colmap_ext::test

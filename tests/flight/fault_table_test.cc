@@ -11,9 +11,9 @@
 namespace colmap_ext {
 namespace {
 
-using testing::FlightHarness;
-using testing::MissionAround;
-using testing::Plain;
+using test::FlightHarness;
+using test::MissionAround;
+using test::Plain;
 
 enum class Fault {
   kLoss,
@@ -168,7 +168,7 @@ TEST_P(PilotTakesOver, NothingIsCommandedFromThatMomentOn) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Stacks, PilotTakesOver, testing::BothStacks(), testing::NameOfStack);
+INSTANTIATE_TEST_SUITE_P(Stacks, PilotTakesOver, test::BothStacks(), test::NameOfStack);
 
 std::vector<Case> AllCases() {
   std::vector<Case> cases;
@@ -231,7 +231,7 @@ TEST_P(Restart, NothingIsFlownTwiceAndNothingIsLost) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Stacks, Restart, testing::BothStacks(), testing::NameOfStack);
+INSTANTIATE_TEST_SUITE_P(Stacks, Restart, test::BothStacks(), test::NameOfStack);
 
 }  // namespace
 }  // namespace colmap_ext

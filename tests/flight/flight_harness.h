@@ -18,7 +18,7 @@
 #include "colmap_ext/sim/autopilot.h"
 #include "path/box_world.h"
 
-namespace colmap_ext::testing {
+namespace colmap_ext::test {
 
 // For INSTANTIATE_TEST_SUITE_P.
 inline auto BothStacks() {
@@ -267,4 +267,4 @@ class FlightHarness {
   bool is_cut_ = false;
 };
 
-}  // namespace colmap_ext::testing
+}  // namespace colmap_ext::test

@@ -10,8 +10,8 @@
 namespace colmap_ext {
 namespace {
 
-using testing::FlightHarness;
-using testing::MissionAround;
+using test::FlightHarness;
+using test::MissionAround;
 
 FlightZone Square(const std::string& name, double x, double y, double half_m) {
   FlightZone zone;
@@ -106,11 +106,11 @@ TEST(SiteLimits, ZonesThatAreNoneAreRefused) {
 TEST(SiteLimits, AppendedStopsAreCheckedToo) {
   FlightHarness flight({});
   const FlightMission mission = WithZone(Square("pond", 0, 30, 2));
-  flight.Accept(testing::LoadRequest(mission));
-  FlightRequest append = testing::LoadRequest(mission);
+  flight.Accept(test::LoadRequest(mission));
+  FlightRequest append = test::LoadRequest(mission);
   append.kind = FlightRequest::Kind::kAppend;
   append.mission.revision = 2;
-  append.stops = testing::StopsAround(1, 50);
+  append.stops = test::StopsAround(1, 50);
   append.stops[0].position = {0, 30, 9};
   const FlightReply reply = flight.Request(append);
   EXPECT_FALSE(reply.is_accepted);
@@ -135,7 +135,7 @@ TEST(SiteLimits, PlannedMissionsCarryThem) {
   path.waypoints[1].position = {0, 10, 10};
   FlightSite site;
   site.frame.is_metric_enu = true;
-  site.frame.origin = testing::kSite;
+  site.frame.origin = test::kSite;
   site.limits.zones.push_back(Square("school", 30, 0, 2));
   site.limits.max_z_m = 50;
   const FlightMission mission =
@@ -163,7 +163,7 @@ TEST_P(SiteLimitsInFlight, AFlightBesideANoFlyZone) {
   EXPECT_TRUE(has_fence);
 }
 
-INSTANTIATE_TEST_SUITE_P(Stacks, SiteLimitsInFlight, testing::BothStacks(), testing::NameOfStack);
+INSTANTIATE_TEST_SUITE_P(Stacks, SiteLimitsInFlight, test::BothStacks(), test::NameOfStack);
 
 }  // namespace
 }  // namespace colmap_ext

@@ -6,11 +6,11 @@
 namespace colmap_ext {
 namespace {
 
-using testing::FlightHarness;
-using testing::LoadRequest;
-using testing::MissionAround;
-using testing::Plain;
-using testing::StopsAround;
+using test::FlightHarness;
+using test::LoadRequest;
+using test::MissionAround;
+using test::Plain;
+using test::StopsAround;
 
 class WholeFlight : public ::testing::TestWithParam<AutopilotPersonality> {
  protected:
@@ -123,8 +123,7 @@ TEST_P(WholeFlight, AViewInsideTheBuildingIsNotFlownTo) {
   ASSERT_NO_FATAL_FAILURE(flight.Begin(mission));
   double nearest = 1e9;
   flight.RunUntil(600, [&] {
-    nearest =
-        std::min(nearest, testing::kBuilding.exteriorDistance(flight.truth().motion.position));
+    nearest = std::min(nearest, test::kBuilding.exteriorDistance(flight.truth().motion.position));
     return flight.state() == FlightState::kDisarmed;
   });
   EXPECT_EQ(flight.CountViews(ViewStatus::kStored), 3);
@@ -132,7 +131,7 @@ TEST_P(WholeFlight, AViewInsideTheBuildingIsNotFlownTo) {
   EXPECT_GT(nearest, 3) << "4 m are wanted, less what GPS and hover are off";
 }
 
-INSTANTIATE_TEST_SUITE_P(Stacks, WholeFlight, testing::BothStacks(), testing::NameOfStack);
+INSTANTIATE_TEST_SUITE_P(Stacks, WholeFlight, test::BothStacks(), test::NameOfStack);
 
 }  // namespace
 }  // namespace colmap_ext

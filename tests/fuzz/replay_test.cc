@@ -14,18 +14,18 @@ namespace colmap_ext {
 namespace {
 
 namespace fs = std::filesystem;
-using Bytes = std::vector<std::uint8_t>;
+using SeedBytes = std::vector<std::uint8_t>;
 
 class Fuzz : public testing::TestWithParam<FuzzTarget> {
  protected:
-  static std::vector<Bytes> Corpus() {
+  static std::vector<SeedBytes> Corpus() {
     std::vector<fs::path> files;
     for (const auto& entry : fs::directory_iterator(fs::path(COLMAP_EXT_SOURCE_DIR) /
                                                     "tests/fuzz/corpus" / GetParam().name)) {
       files.push_back(entry.path());
     }
     std::ranges::sort(files);
-    std::vector<Bytes> corpus;
+    std::vector<SeedBytes> corpus;
     for (const fs::path& file : files) {
       const std::string content = ReadFile(file);
       corpus.emplace_back(content.begin(), content.end());
@@ -37,7 +37,7 @@ class Fuzz : public testing::TestWithParam<FuzzTarget> {
 INSTANTIATE_TEST_SUITE_P(Targets, Fuzz, testing::ValuesIn(AllFuzzTargets()),
                          [](const auto& info) { return info.param.name; });
 
-void Mutate(std::mt19937_64* random, const std::vector<Bytes>& corpus, Bytes* bytes) {
+void Mutate(std::mt19937_64* random, const std::vector<SeedBytes>& corpus, SeedBytes* bytes) {
   const auto at = [&](std::size_t size) { return (*random)() % (size + 1); };
   for (std::size_t changes = 1 + (*random)() % 8; changes > 0; --changes) {
     const std::size_t place = at(bytes->size());
@@ -57,7 +57,7 @@ void Mutate(std::mt19937_64* random, const std::vector<Bytes>& corpus, Bytes* by
                      position + static_cast<std::ptrdiff_t>(at(bytes->size() - place) % 16));
         break;
       default: {
-        const Bytes& other = corpus[(*random)() % corpus.size()];
+        const SeedBytes& other = corpus[(*random)() % corpus.size()];
         const std::size_t from = at(other.size());
         const std::size_t count = std::min<std::size_t>(at(other.size() - from), 300);
         bytes->insert(position, other.begin() + static_cast<std::ptrdiff_t>(from),
@@ -69,13 +69,13 @@ void Mutate(std::mt19937_64* random, const std::vector<Bytes>& corpus, Bytes* by
 }
 
 TEST_P(Fuzz, CorpusAndMutationsBreakNoPromise) {
-  const std::vector<Bytes> corpus = Corpus();
+  const std::vector<SeedBytes> corpus = Corpus();
   ASSERT_GE(corpus.size(), 3U);
-  for (const Bytes& bytes : corpus) ASSERT_NO_THROW(GetParam().run(bytes));
+  for (const SeedBytes& bytes : corpus) ASSERT_NO_THROW(GetParam().run(bytes));
   ASSERT_NO_THROW(GetParam().run({}));
   std::mt19937_64 random(1);
   for (int i = 0; i < GetParam().mutations; ++i) {
-    Bytes bytes = corpus[random() % corpus.size()];
+    SeedBytes bytes = corpus[random() % corpus.size()];
     Mutate(&random, corpus, &bytes);
     ASSERT_NO_THROW(GetParam().run(bytes)) << "mutation " << i;
   }

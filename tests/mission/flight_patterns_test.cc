@@ -12,12 +12,12 @@ namespace colmap_ext {
 namespace {
 
 // About the size of the church.
-PatternSite Church() {
+PatternSite ChurchSite() {
   return SiteOfBox(BoundingBox(Eigen::Vector3d(-10, -6, 0), Eigen::Vector3d(10, 6, 19)));
 }
 
 std::vector<PlannedView> Make(const std::string& name, int num_views,
-                              const PatternSite& site = Church()) {
+                              const PatternSite& site = ChurchSite()) {
   FlightPatternOptions options;
   options.name = name;
   options.num_views = num_views;
@@ -74,7 +74,7 @@ TEST(GridDownward, KeepsTheOverlapsThatAreAskedFor) {
   const double across = 2 * options.distance_m * std::tan(DegToRad(80) / 2);
   const double along = across * 368 / 640;
   std::set<double> rows;
-  const std::vector<PlannedView> views = MakeFlightPattern(Church(), options);
+  const std::vector<PlannedView> views = MakeFlightPattern(ChurchSite(), options);
   for (const PlannedView& view : views) rows.insert(view.position.y());
   double last = *rows.begin();
   for (const double row : rows) {
@@ -178,9 +178,9 @@ TEST(FlightPatterns, RefuseBadInput) {
   options.name = "grid-downward";
   options.distance_m = 0.01;
   options.forward_overlap = 0.95;
-  EXPECT_THROW(MakeFlightPattern(Church(), options), Error);
+  EXPECT_THROW(MakeFlightPattern(ChurchSite(), options), Error);
   options.distance_m = -1;
-  EXPECT_THROW(MakeFlightPattern(Church(), options), UsageError);
+  EXPECT_THROW(MakeFlightPattern(ChurchSite(), options), UsageError);
 }
 
 }  // namespace

@@ -14,7 +14,7 @@
 #include "colmap_ext/geom/transforms.h"
 #include "colmap_ext/scene/photo.h"
 
-namespace colmap_ext::testing {
+namespace colmap_ext::test {
 
 // The rectangle origin + a u + b v, a and b in [0, 1]; u and v orthogonal.
 struct Rectangle {
@@ -170,4 +170,4 @@ inline Rigid3d LookAt(const Eigen::Vector3d& position, const Eigen::Vector3d& ta
   return CamFromWorld(position, {std::atan2(d.x(), d.y()), std::asin(d.z())});
 }
 
-}  // namespace colmap_ext::testing
+}  // namespace colmap_ext::test

@@ -10,8 +10,8 @@
 namespace colmap_ext {
 namespace {
 
-using testing::LookAt;
-using testing::TestCamera;
+using test::LookAt;
+using test::TestCamera;
 
 // A view of the plane z = 0 whose mesh has the depths of the plane z = height.
 ViewMesh PlaneView(const Rigid3d& cam_from_world, double height) {

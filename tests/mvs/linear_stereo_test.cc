@@ -16,10 +16,10 @@
 namespace colmap_ext {
 namespace {
 
-using testing::AnalyticScene;
-using testing::AnalyticSurvey;
-using testing::LookAt;
-using testing::Rectangle;
+using test::AnalyticScene;
+using test::AnalyticSurvey;
+using test::LookAt;
+using test::Rectangle;
 
 Rectangle Ground(double size) {
   return {{-size / 2, -size / 2, 0}, {size, 0, 0}, {0, size, 0}, {110, 130, 120}};
@@ -52,16 +52,16 @@ Eigen::Vector3d GroundPlaneInCam(const Rigid3d& cam_from_world) {
 
 TEST(LinearStereo, APlaneComesBackAsThatPlane) {
   const AnalyticSurvey survey =
-      testing::Survey({{Ground(60)}}, testing::TestCamera(),
-                      {LookAt({0, -12, 9}, {0, 0, 0}), LookAt({3, -12, 9}, {0, 0, 0})}, 300);
+      test::Survey({{Ground(60)}}, test::TestCamera(),
+                   {LookAt({0, -12, 9}, {0, 0, 0}), LookAt({3, -12, 9}, {0, 0, 0})}, 300);
   const ViewMesh view = SolveFirst(survey.photos);
   EXPECT_LT(PlaneError(view, GroundPlaneInCam(view.cam_from_world)), 1e-9);
 }
 
 TEST(LinearStereo, ThreePointsAreEnoughForAPlane) {
   AnalyticSurvey survey =
-      testing::Survey({{Ground(60)}}, testing::TestCamera(),
-                      {LookAt({0, -12, 9}, {0, 0, 0}), LookAt({3, -12, 9}, {0, 0, 0})}, 3);
+      test::Survey({{Ground(60)}}, test::TestCamera(),
+                   {LookAt({0, -12, 9}, {0, 0, 0}), LookAt({3, -12, 9}, {0, 0, 0})}, 3);
   for (std::size_t p = 0; p < 3; ++p) {
     const double x[] = {-3, 3, 0}, y[] = {-1, -1, 3};
     survey.photos.points[p].position = {x[p], y[p], 0};
@@ -74,7 +74,7 @@ TEST(LinearStereo, ScaleOfTheWorldDoesNotMatter) {
   const std::vector<Rigid3d> poses{LookAt({0, -12, 9}, {0, 0, 0}), LookAt({3, -12, 9}, {0, 0, 0})};
   AnalyticScene scene{{Ground(60)}};
   scene.rectangles.push_back({{-2, -2, 1.5}, {4, 0, 0}, {0, 4, 0}, {60, 60, 200}, 9});
-  AnalyticSurvey survey = testing::Survey(scene, testing::TestCamera(), poses, 300);
+  AnalyticSurvey survey = test::Survey(scene, test::TestCamera(), poses, 300);
   const ViewMesh meters = SolveFirst(survey.photos);
   for (PosedPhoto& photo : survey.photos.photos) photo.cam_from_world.translation *= 1000;
   for (SupportPoint& point : survey.photos.points) point.position *= 1000;
@@ -86,8 +86,8 @@ TEST(LinearStereo, ScaleOfTheWorldDoesNotMatter) {
 
 TEST(LinearStereo, OneBadPointDoesNotBendAFacet) {
   AnalyticSurvey survey =
-      testing::Survey({{Ground(60)}}, testing::TestCamera(),
-                      {LookAt({0, -12, 9}, {0, 0, 0}), LookAt({3, -12, 9}, {0, 0, 0})}, 300);
+      test::Survey({{Ground(60)}}, test::TestCamera(),
+                   {LookAt({0, -12, 9}, {0, 0, 0}), LookAt({3, -12, 9}, {0, 0, 0})}, 300);
   const Eigen::Vector3d center = CameraCenter(survey.photos.photos[0].cam_from_world);
   for (std::size_t p = 0; p < survey.photos.points.size(); p += 20) {  // one in twenty
     Eigen::Vector3d& position = survey.photos.points[p].position;
@@ -104,8 +104,8 @@ struct StepScene {
     scene.rectangles[0].contrast = 25;
     scene.rectangles.push_back({{-2, -3, 3}, {4, 0, 0}, {0, 6, 0}, {40, 40, 220}, 9, 25});
     survey =
-        testing::Survey(scene, testing::TestCamera(),
-                        {LookAt({0, -0.5, 12}, {0, 0, 0}), LookAt({2, -0.5, 12}, {0, 0, 0})}, 500);
+        test::Survey(scene, test::TestCamera(),
+                     {LookAt({0, -0.5, 12}, {0, 0, 0}), LookAt({2, -0.5, 12}, {0, 0, 0})}, 500);
   }
   AnalyticSurvey survey;
 };
@@ -154,7 +154,7 @@ TEST(LinearStereo, CornersAtOneVertexMayDisagree) {
 
 TEST(LinearStereo, WithoutPointsNothingIsInvented) {
   AnalyticSurvey survey =
-      testing::Survey({{Ground(60)}}, testing::TestCamera(), {LookAt({0, -12, 9}, {0, 0, 0})}, 0);
+      test::Survey({{Ground(60)}}, test::TestCamera(), {LookAt({0, -12, 9}, {0, 0, 0})}, 0);
   const ViewMesh view = SolveFirst(survey.photos);
   for (std::size_t t = 0; t < view.inverse_depth.size(); ++t) {
     EXPECT_EQ(view.supported[t], 0);
@@ -164,8 +164,8 @@ TEST(LinearStereo, WithoutPointsNothingIsInvented) {
 
 TEST(LinearStereo, ARegionFarFromEveryPointIsMarked) {
   AnalyticSurvey survey =
-      testing::Survey({{Ground(60)}}, testing::TestCamera(),
-                      {LookAt({0, -12, 9}, {0, 0, 0}), LookAt({3, -12, 9}, {0, 0, 0})}, 400);
+      test::Survey({{Ground(60)}}, test::TestCamera(),
+                   {LookAt({0, -12, 9}, {0, 0, 0}), LookAt({3, -12, 9}, {0, 0, 0})}, 400);
   const PosedPhoto& photo = survey.photos.photos[0];
   std::erase_if(survey.photos.points, [&](const SupportPoint& point) {
     return photo.camera.Project(photo.cam_from_world * point.position).x() > 100;
@@ -185,8 +185,8 @@ TEST(LinearStereo, ARegionFarFromEveryPointIsMarked) {
 
 TEST(LinearStereo, OnePointAloneGivesItsDepthAround) {
   AnalyticSurvey survey =
-      testing::Survey({{Ground(60)}}, testing::TestCamera(),
-                      {LookAt({0, -12, 9}, {0, 0, 0}), LookAt({3, -12, 9}, {0, 0, 0})}, 1);
+      test::Survey({{Ground(60)}}, test::TestCamera(),
+                   {LookAt({0, -12, 9}, {0, 0, 0}), LookAt({3, -12, 9}, {0, 0, 0})}, 1);
   survey.photos.points[0].position = {0, 0, 0};
   const ViewMesh view = SolveFirst(survey.photos);
   const ViewLookup lookup(view, TriangleIdMap(view));
@@ -335,8 +335,8 @@ std::vector<DepthRow> DepthAndSlantRows(const ViewMesh& view, const Eigen::Vecto
 
 TEST(LinearStereo, AViewWithoutPointsFollowsRowsThatDoNotSumToOne) {
   AnalyticSurvey survey =
-      testing::Survey({{Ground(60)}}, testing::TestCamera(),
-                      {LookAt({0, -12, 9}, {0, 0, 0}), LookAt({3, -12, 9}, {0, 0, 0})}, 300);
+      test::Survey({{Ground(60)}}, test::TestCamera(),
+                   {LookAt({0, -12, 9}, {0, 0, 0}), LookAt({3, -12, 9}, {0, 0, 0})}, 300);
   survey.photos.points.clear();
   const PosedPhoto& photo = survey.photos.photos[0];
   const ImageMesh mesh = SegmentPhoto(photo.bgr, {});
@@ -356,8 +356,8 @@ TEST(LinearStereo, AViewWithoutPointsFollowsRowsThatDoNotSumToOne) {
 
 TEST(LinearStereo, AViewWithNothingButSlantsIsLeftAlone) {
   AnalyticSurvey survey =
-      testing::Survey({{Ground(60)}}, testing::TestCamera(),
-                      {LookAt({0, -12, 9}, {0, 0, 0}), LookAt({3, -12, 9}, {0, 0, 0})}, 300);
+      test::Survey({{Ground(60)}}, test::TestCamera(),
+                   {LookAt({0, -12, 9}, {0, 0, 0}), LookAt({3, -12, 9}, {0, 0, 0})}, 300);
   survey.photos.points.clear();
   const PosedPhoto& photo = survey.photos.photos[0];
   const ImageMesh mesh = SegmentPhoto(photo.bgr, {});

@@ -14,9 +14,9 @@
 namespace colmap_ext {
 namespace {
 
-using testing::AnalyticScene;
-using testing::AnalyticSurvey;
-using testing::LookAt;
+using test::AnalyticScene;
+using test::AnalyticSurvey;
+using test::LookAt;
 
 // A textured floor under five cameras, as meshes with exact depths.
 class PhotometricStageTest : public ::testing::Test {
@@ -31,7 +31,7 @@ class PhotometricStageTest : public ::testing::Test {
     for (int i = 0; i < 5; ++i) {
       poses.push_back(LookAt({1.2 * (i - 2), -6, 6 + 0.2 * (i % 2)}, {0, 0, 0}));
     }
-    survey_ = testing::Survey(scene, testing::TestCamera(240, 160, 220), poses, 200);
+    survey_ = test::Survey(scene, test::TestCamera(240, 160, 220), poses, 200);
     SuperpixelOptions superpixels;
     superpixels.target_polygons = 600;
     views_.clear();

@@ -22,10 +22,10 @@
 namespace colmap_ext {
 namespace {
 
-using testing::AnalyticScene;
-using testing::AnalyticSurvey;
-using testing::LookAt;
-using testing::TestCamera;
+using test::AnalyticScene;
+using test::AnalyticSurvey;
+using test::LookAt;
+using test::TestCamera;
 
 // A box of 3 x 3 x 2.5 m on a floor, photographed from an arc, with `num_points` SfM points.
 AnalyticSurvey BoxSurvey(int num_points, int num_photos = 7) {
@@ -40,7 +40,7 @@ AnalyticSurvey BoxSurvey(int num_points, int num_photos = 7) {
     const double angle = 0.5 + 0.14 * (i - num_photos / 2);
     poses.push_back(LookAt({9 * std::sin(angle), -9 * std::cos(angle), 6}, {0, 0, 0.5}));
   }
-  return testing::Survey(scene, TestCamera(), poses, num_points);
+  return test::Survey(scene, TestCamera(), poses, num_points);
 }
 
 struct Accuracy {

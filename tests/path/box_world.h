@@ -3,14 +3,33 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <string>
 #include <vector>
 
 #include "colmap_ext/geom/mesh.h"
+#include "colmap_ext/path/path_planner.h"
 #include "colmap_ext/scene/photo.h"
 #include "colmap_ext/scene/surface.h"
 #include "colmap_ext/scene/view_plan.h"
 
 namespace colmap_ext {
+
+// A block of 10 x 10 x 10 m on the ground.
+inline const std::vector<Eigen::AlignedBox3d> kBlock = {
+    {Eigen::Vector3d(-5, -5, 0), Eigen::Vector3d(5, 5, 10)}};
+
+// Flying is allowed wherever nothing is seen, 2 m from the surface.
+inline PathOptions Everywhere() {
+  PathOptions options;
+  options.unknown = "free";
+  options.safe_distance_m = 2;
+  options.position_error_m = 0;
+  return options;
+}
+
+inline bool Says(const std::string& text, const std::string& word) {
+  return text.find(word) != std::string::npos;
+}
 
 inline void AddBox(const Eigen::AlignedBox3d& box, TriangleMesh* mesh) {
   const int first = static_cast<int>(mesh->vertices.size());

@@ -9,7 +9,7 @@ namespace colmap_ext {
 namespace {
 
 // Flat ground of 200 m, and a block of 10 m in the middle.
-const std::vector<Eigen::AlignedBox3d> kBlock = {
+const std::vector<Eigen::AlignedBox3d> kBlockOnGround = {
     {Eigen::Vector3d(-100, -100, -1), Eigen::Vector3d(100, 100, 0)},
     {Eigen::Vector3d(-5, -5, 0), Eigen::Vector3d(5, 5, 10)}};
 
@@ -22,7 +22,7 @@ FreeSpaceOptions Vouched(double above_top_m, double flown_margin_m, double confi
 }
 
 TEST(FreeSpace, KnowsWhatIsHighAboveTheSurface) {
-  const FreeSpace space(SurfaceOf(kBlock), {}, {}, Vouched(5, 3));
+  const FreeSpace space(SurfaceOf(kBlockOnGround), {}, {}, Vouched(5, 3));
   EXPECT_TRUE(space.IsKnownFree({0, 0, 15.6}, 0.5));
   EXPECT_FALSE(space.IsKnownFree({0, 0, 15.4}, 0.5));
 }
@@ -30,7 +30,7 @@ TEST(FreeSpace, KnowsWhatIsHighAboveTheSurface) {
 TEST(FreeSpace, KnowsTheHullOfWhatWasFlown) {
   const std::vector<Eigen::Vector3d> flown = {
       {-10, -10, 8}, {10, -10, 8}, {10, 10, 8}, {-10, 10, 8}};
-  const FreeSpace space(SurfaceOf(kBlock), {}, flown, Vouched(5, 2));
+  const FreeSpace space(SurfaceOf(kBlockOnGround), {}, flown, Vouched(5, 2));
   EXPECT_TRUE(space.IsKnownFree({9, 9, 8}, 0.5));
   EXPECT_TRUE(space.IsKnownFree({0, -11, 8.5}, 0.5));
   EXPECT_TRUE(space.IsKnownFree({-8, 0, 6.6}, 0.5));
@@ -40,13 +40,14 @@ TEST(FreeSpace, KnowsTheHullOfWhatWasFlown) {
 }
 
 TEST(FreeSpace, HasNoHullWithoutAMargin) {
-  const FreeSpace space(SurfaceOf(kBlock), {}, {{-10, 0, 8}, {10, 0, 8}}, Vouched(5, 0));
+  const FreeSpace space(SurfaceOf(kBlockOnGround), {}, {{-10, 0, 8}, {10, 0, 8}}, Vouched(5, 0));
   EXPECT_FALSE(space.IsKnownFree({0, 0, 8}, 0));
 }
 
 TEST(FreeSpace, KnowsWhatAPhotoSawPast) {
   // 30 m south of the block, 5 m high, looking north and slightly down: wall and ground are seen.
-  const FreeSpace space(SurfaceOf(kBlock), {PhotoAt({0, -30, 5}, 0, -20)}, {}, Vouched(5, 0));
+  const FreeSpace space(SurfaceOf(kBlockOnGround), {PhotoAt({0, -30, 5}, 0, -20)}, {},
+                        Vouched(5, 0));
   EXPECT_TRUE(space.IsKnownFree({0, -10, 3}, 0.5));    // before the wall
   EXPECT_FALSE(space.IsKnownFree({0, -5.2, 3}, 0.5));  // reaches into the wall
   EXPECT_FALSE(space.IsKnownFree({0, 0, 3}, 0.5));     // inside the block
@@ -82,7 +83,7 @@ TEST(FreeSpace, AThinPoleHidesWhatIsBehindIt) {
 }
 
 TEST(FreeSpace, SurfaceThatIsNotConfidentFreesNothing) {
-  Surface surface = SurfaceOf(kBlock);
+  Surface surface = SurfaceOf(kBlockOnGround);
   surface.sample_spacing_m.assign(surface.mesh.vertices.size(), 0.5);
   const std::vector<PosedPhoto> photos = {PhotoAt({0, -30, 5}, 0, -20)};
   EXPECT_TRUE(FreeSpace(surface, photos, {}, Vouched(5, 0, 1.0)).IsKnownFree({0, -10, 3}, 0.5));
@@ -99,7 +100,7 @@ TEST(SetFreeVolume, NamesWhatThePilotVouchesFor) {
   const auto files = SetFreeVolume("10,10,9,0,0,3; yard.geojson", &options);
   ASSERT_EQ(files.size(), 1u);
   EXPECT_EQ(options.flown_margin_m, 0);
-  const FreeSpace space(SurfaceOf(kBlock), {}, {{0, -50, 8}}, options);
+  const FreeSpace space(SurfaceOf(kBlockOnGround), {}, {{0, -50, 8}}, options);
   EXPECT_TRUE(space.IsKnownFree({5, 5, 6}, 2.9));
   EXPECT_FALSE(space.IsKnownFree({5, 5, 6}, 3.1));
   EXPECT_FALSE(space.IsKnownFree({0, -50, 8}, 0.1));

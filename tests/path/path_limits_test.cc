@@ -10,15 +10,8 @@
 namespace colmap_ext {
 namespace {
 
-// A block of 10 x 10 x 10 m on the ground.
-const std::vector<Eigen::AlignedBox3d> kBlock = {
-    {Eigen::Vector3d(-5, -5, 0), Eigen::Vector3d(5, 5, 10)}};
-
-PathOptions Everywhere() {
-  PathOptions options;
-  options.unknown = "free";
-  options.safe_distance_m = 2;
-  options.position_error_m = 0;
+PathOptions OnOneBattery() {
+  PathOptions options = Everywhere();
   options.battery_s = 0;
   return options;
 }
@@ -30,12 +23,8 @@ FlightZone Rectangle(FlightZone::Kind kind, double x0, double y0, double x1, dou
   return zone;
 }
 
-bool Says(const std::string& text, const std::string& word) {
-  return text.find(word) != std::string::npos;
-}
-
 TEST(PlanPath, KeepsThePositionErrorOnTopOfTheSafeDistance) {
-  PathOptions options = Everywhere();
+  PathOptions options = OnOneBattery();
   options.position_error_m = 1;
   const FlightPath path = PlanPath({-20, 0, 5}, {ViewAt(0, 20, 0, 5), ViewAt(1, -7.5, 0, 5)},
                                    MeshOf(kBlock), {}, options, {});
@@ -47,7 +36,7 @@ TEST(PlanPath, KeepsThePositionErrorOnTopOfTheSafeDistance) {
 }
 
 TEST(PlanPath, FliesAroundANoFlyZoneAndStaysInsideTheFence) {
-  PathOptions options = Everywhere();
+  PathOptions options = OnOneBattery();
   options.limits.zones = {Rectangle(FlightZone::Kind::kInclusion, -30, -30, 30, 30),
                           Rectangle(FlightZone::Kind::kExclusion, -3, -28, 3, -8)};
   const FlightPath path =
@@ -69,7 +58,7 @@ TEST(PlanPath, FliesAroundANoFlyZoneAndStaysInsideTheFence) {
 }
 
 TEST(PlanPath, AFenceThatExcludesTheStartIsAnErrorThatSaysSo) {
-  PathOptions options = Everywhere();
+  PathOptions options = OnOneBattery();
   options.limits.zones = {Rectangle(FlightZone::Kind::kInclusion, 100, 100, 130, 130)};
   try {
     PlanPath({-20, 0, 5}, {ViewAt(0, -20, 5, 5)}, MeshOf(kBlock), {}, options, {});
@@ -81,12 +70,12 @@ TEST(PlanPath, AFenceThatExcludesTheStartIsAnErrorThatSaysSo) {
 
 // Its walls are further away than the safe distance.
 TEST(PlanPath, RefusesAStartInsideOfALargeObstacle) {
-  EXPECT_THROW(PlanPath({0, 0, 5}, {ViewAt(0, 1, 0, 5)}, MeshOf(kBlock), {}, Everywhere(), {}),
+  EXPECT_THROW(PlanPath({0, 0, 5}, {ViewAt(0, 1, 0, 5)}, MeshOf(kBlock), {}, OnOneBattery(), {}),
                Error);
 }
 
 TEST(PlanPath, AFenceThatExcludesAllViewsLeavesThePathEmptyWithReasons) {
-  PathOptions options = Everywhere();
+  PathOptions options = OnOneBattery();
   options.limits.zones = {Rectangle(FlightZone::Kind::kInclusion, -25, -2, -15, 2)};
   const FlightPath path = PlanPath({-20, 0, 5}, {ViewAt(0, 20, 0, 5), ViewAt(1, 0, 20, 5)},
                                    MeshOf(kBlock), {}, options, {});
@@ -104,7 +93,7 @@ TEST(PlanPath, SaysWhyNoWayLeadsToAView) {
                                            {Eigen::Vector3d(-6, -6, 0), Eigen::Vector3d(6, -5, 8)},
                                            {Eigen::Vector3d(-6, 5, 0), Eigen::Vector3d(6, 6, 8)}};
   const FlightPath path =
-      PlanPath({-20, 0, 4}, {ViewAt(7, 0, 0, 4)}, MeshOf(room), {}, Everywhere(), {});
+      PlanPath({-20, 0, 4}, {ViewAt(7, 0, 0, 4)}, MeshOf(room), {}, OnOneBattery(), {});
   EXPECT_EQ(path.dropped_view_ids, std::vector<int>{7});
   EXPECT_TRUE(Says(path.drop_reasons.at(0), "no way")) << path.drop_reasons.at(0);
   EXPECT_TRUE(Says(path.drop_reasons.at(0), "surface")) << path.drop_reasons.at(0);
@@ -120,7 +109,7 @@ std::vector<PlannedView> Around(int count, double radius) {
 }
 
 TEST(PlanPath, SplitsIntoBatteriesWithProvedWaysHome) {
-  PathOptions options = Everywhere();
+  PathOptions options = OnOneBattery();
   options.battery_s = 150;
   options.takeoff_landing_s = 10;
   const Eigen::Vector3d start(-14, -14, 5);
@@ -143,7 +132,7 @@ TEST(PlanPath, SplitsIntoBatteriesWithProvedWaysHome) {
 }
 
 TEST(PlanPath, ReturnsHomeWhenAsked) {
-  PathOptions options = Everywhere();
+  PathOptions options = OnOneBattery();
   options.home = "20,0,5";
   options.return_home = true;
   const FlightPath path =
@@ -159,7 +148,7 @@ TEST(PlanPath, ReturnsHomeWhenAsked) {
 }
 
 TEST(PlanPath, DropsWhatABatteryCannotReach) {
-  PathOptions options = Everywhere();
+  PathOptions options = OnOneBattery();
   options.battery_s = 100;
   options.takeoff_landing_s = 10;
   const FlightPath path = PlanPath({-20, 0, 5}, {ViewAt(0, -20, 20, 5), ViewAt(1, -20, 300, 5)},
@@ -171,14 +160,14 @@ TEST(PlanPath, DropsWhatABatteryCannotReach) {
 // More places than direct legs are looked for between all of.
 TEST(PlanPath, JoinsManyViewsInAReasonableTour) {
   const std::vector<PlannedView> views = Around(90, 15);
-  const FlightPath path = PlanPath({-20, 0, 5}, views, MeshOf(kBlock), {}, Everywhere(), {});
+  const FlightPath path = PlanPath({-20, 0, 5}, views, MeshOf(kBlock), {}, OnOneBattery(), {});
   EXPECT_TRUE(path.dropped_view_ids.empty());
   EXPECT_LT(path.length_m, 5 + 2 * M_PI * 15 + 8);
   EXPECT_GE(SampledClearance(kBlock, path.waypoints), 2 - 1e-4);
 }
 
 TEST(PlanPath, IsTheSameBySharedSpaceAndHoversWhereFlyablePositionsSays) {
-  PathOptions options = Everywhere();
+  PathOptions options = OnOneBattery();
   const Eigen::Vector3d start(-20, 0, 5);
   const auto space =
       std::make_shared<const FreeSpace>(KnownSpace(SurfaceOf(kBlock), {}, start, options));

@@ -12,18 +12,6 @@
 namespace colmap_ext {
 namespace {
 
-// A block of 10 x 10 x 10 m on the ground.
-const std::vector<Eigen::AlignedBox3d> kBlock = {
-    {Eigen::Vector3d(-5, -5, 0), Eigen::Vector3d(5, 5, 10)}};
-
-PathOptions Everywhere() {
-  PathOptions options;
-  options.unknown = "free";
-  options.safe_distance_m = 2;
-  options.position_error_m = 0;
-  return options;
-}
-
 std::vector<int> ViewsOf(const FlightPath& path) {
   std::vector<int> ids;
   for (const Waypoint& waypoint : path.waypoints) {

@@ -9,10 +9,6 @@
 namespace colmap_ext {
 namespace {
 
-// A block of 10 x 10 x 10 m on the ground.
-const std::vector<Eigen::AlignedBox3d> kBlock = {
-    {Eigen::Vector3d(-5, -5, 0), Eigen::Vector3d(5, 5, 10)}};
-
 SegmentRules Rules() {
   SegmentRules rules;
   rules.safe_distance_m = 2;
@@ -22,10 +18,6 @@ SegmentRules Rules() {
 }
 
 FreeSpace OpenSpace() { return {SurfaceOf(kBlock), {}, {}, {}}; }
-
-bool Says(const std::string& text, const std::string& word) {
-  return text.find(word) != std::string::npos;
-}
 
 TEST(WhyNotHover, NamesTheRuleThatIsBroken) {
   const FreeSpace space = OpenSpace();

@@ -7,7 +7,7 @@
 namespace colmap_ext {
 namespace {
 
-const cv::Size kSize(320, 200);
+const cv::Size kPictureSize(320, 200);
 
 // How far a pixel is from another picture's.
 int Change(const cv::Mat& a, const cv::Mat& b, int y, int x) {
@@ -21,7 +21,7 @@ int Change(const cv::Mat& a, const cv::Mat& b, int y, int x) {
 class OverlayTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    picture_ = RenderMesh(scene_.mesh, FaceColors(scene_.face_colors), LookingNorth(kSize));
+    picture_ = RenderMesh(scene_.mesh, FaceColors(scene_.face_colors), LookingNorth(kPictureSize));
     before_ = picture_.bgr.clone();
   }
 
@@ -91,12 +91,12 @@ TEST_F(OverlayTest, FilledPolygonIsHiddenToo) {
 }
 
 TEST_F(OverlayTest, DiscsCoverTheirAreaAndHideEachOther) {
-  Picture empty = RenderMesh({}, ConstantColor({1, 1, 1}), LookingNorth(kSize));
+  Picture empty = RenderMesh({}, ConstantColor({1, 1, 1}), LookingNorth(kPictureSize));
   const cv::Mat background = empty.bgr.clone();
   DrawDiscs({{0, 4, 0}, {0, 8, 0}}, {{0, -1, 0}, {0, -1, 0}}, {{0, 0, 1}, {1, 0, 0}}, 0.5, &empty);
   int blue = 0;
-  for (int y = 0; y < kSize.height; ++y) {
-    for (int x = 0; x < kSize.width; ++x) {
+  for (int y = 0; y < kPictureSize.height; ++y) {
+    for (int x = 0; x < kPictureSize.width; ++x) {
       const cv::Vec3b color = empty.bgr.at<cv::Vec3b>(y, x);
       if (Change(empty.bgr, background, y, x) == 0) continue;
       EXPECT_EQ(color[2], 0);  // the red one, behind, is nowhere seen

@@ -1,6 +1,5 @@
 // Our database and the real `colmap`: each reads what the other wrote.
 #include <gtest/gtest.h>
-#include <sqlite3.h>
 
 #include <Eigen/Geometry>
 #include <filesystem>
@@ -15,6 +14,7 @@
 #include "colmap_ext/scene/database.h"
 #include "colmap_ext/scene/reconstruction_io.h"
 #include "scene/colmap_tool.h"
+#include "sqlite_rows.h"
 
 namespace colmap_ext {
 namespace {
@@ -24,22 +24,6 @@ using Access = Database::Access;
 
 constexpr int kWidth = 320;
 constexpr int kHeight = 240;
-
-// Every row of a query as text.
-std::vector<std::string> Query(const fs::path& path, const std::string& sql) {
-  sqlite3* handle = nullptr;
-  EXPECT_EQ(sqlite3_open(path.c_str(), &handle), SQLITE_OK);
-  std::vector<std::string> rows;
-  const auto collect = [](void* rows_pointer, int count, char** values, char**) {
-    std::string row;
-    for (int i = 0; i < count; ++i) row += std::string(values[i] ? values[i] : "NULL") + "|";
-    static_cast<std::vector<std::string>*>(rows_pointer)->push_back(row);
-    return 0;
-  };
-  EXPECT_EQ(sqlite3_exec(handle, sql.c_str(), collect, &rows, nullptr), SQLITE_OK) << sql;
-  sqlite3_close(handle);
-  return rows;
-}
 
 // Blobs of all sizes, the same picture shifted by `shift_px`: SIFT finds and matches them.
 void WritePicture(const fs::path& path, int shift_px) {
@@ -88,7 +72,7 @@ class DatabaseWithColmap : public testing::Test {
 TEST_F(DatabaseWithColmap, OurSchemaIsColmaps) {
   RunColmap({"database_creator", "--database_path", (folder_ / "theirs.db").string()});
   Database::Create(folder_ / "ours.db");
-  if (Query(folder_ / "theirs.db", "PRAGMA user_version") != std::vector<std::string>{"3800|"}) {
+  if (Query(folder_ / "theirs.db", "PRAGMA user_version") != std::vector<std::string>{"3800"}) {
     GTEST_SKIP() << "colmap is not 3.8";
   }
   for (const std::string sql :

@@ -1,6 +1,5 @@
 // Databases in the schema of every version: each is read and written as that COLMAP does.
 #include <gtest/gtest.h>
-#include <sqlite3.h>
 
 #include <filesystem>
 #include <fstream>
@@ -12,6 +11,7 @@
 #include "colmap_ext/util/files.h"
 #include "scene/colmap_tool.h"
 #include "scene/database_schemas.h"
+#include "sqlite_rows.h"
 
 namespace colmap_ext {
 namespace {
@@ -19,24 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 using Access = Database::Access;
 using Rows = std::vector<std::string>;
-
-// Every row of a query as text, columns joined by '|'.
-Rows Query(const fs::path& path, const std::string& sql) {
-  sqlite3* handle = nullptr;
-  EXPECT_EQ(sqlite3_open(path.c_str(), &handle), SQLITE_OK);
-  Rows rows;
-  const auto collect = [](void* pointer, int count, char** values, char**) {
-    std::string row;
-    for (int i = 0; i < count; ++i) {
-      row += std::string(i == 0 ? "" : "|") + (values[i] != nullptr ? values[i] : "NULL");
-    }
-    static_cast<Rows*>(pointer)->push_back(row);
-    return 0;
-  };
-  EXPECT_EQ(sqlite3_exec(handle, sql.c_str(), collect, &rows, nullptr), SQLITE_OK) << sql;
-  sqlite3_close(handle);
-  return rows;
-}
 
 class EveryVersion : public testing::TestWithParam<SchemaOfVersion> {
  protected:

@@ -15,14 +15,14 @@
 namespace colmap_ext {
 namespace {
 
-constexpr int kWidth = 64;
-constexpr int kHeight = 48;
+constexpr int kMapWidth = 64;
+constexpr int kMapHeight = 48;
 constexpr double kDepth = 5;  // of a plane that faces all cameras
 
 // Four cameras side by side that look along z at the plane z = kDepth, and points on it.
 Reconstruction MakePlaneModel() {
   Reconstruction model;
-  model.cameras[1] = {CameraModel::kPinhole, kWidth, kHeight, {60, 60, 32, 24}};
+  model.cameras[1] = {CameraModel::kPinhole, kMapWidth, kMapHeight, {60, 60, 32, 24}};
   const PinholeCamera camera = ToPinhole(model.cameras[1]);
   for (ImageId id = 1; id <= 4; ++id) {
     SparseImage& image = model.images[id];
@@ -49,14 +49,14 @@ TEST(DenseMapWithColmap, StereoFusionFusesTheMapsThatWeWrite) {
   WriteReconstructionBinary(model, folder / "sparse");
   std::filesystem::create_directories(folder / "images");
   std::string names;
-  DenseMap depth(kWidth, kHeight, 1);
-  DenseMap normal(kWidth, kHeight, 3);
+  DenseMap depth(kMapWidth, kMapHeight, 1);
+  DenseMap normal(kMapWidth, kMapHeight, 3);
   for (float& value : depth.data) value = static_cast<float>(kDepth);
-  for (int row = 0; row < kHeight; ++row) {
-    for (int col = 0; col < kWidth; ++col) normal.At(row, col, 2) = -1;
+  for (int row = 0; row < kMapHeight; ++row) {
+    for (int col = 0; col < kMapWidth; ++col) normal.At(row, col, 2) = -1;
   }
   for (const auto& [id, image] : model.images) {
-    const cv::Mat picture(kHeight, kWidth, CV_8UC3, cv::Scalar(10, 20, 30));
+    const cv::Mat picture(kMapHeight, kMapWidth, CV_8UC3, cv::Scalar(10, 20, 30));
     ASSERT_TRUE(cv::imwrite((folder / ("images/" + image.name)).string(), picture));
     WriteDenseMap(depth, folder / ("stereo/depth_maps/" + image.name + ".geometric.bin"));
     WriteDenseMap(normal, folder / ("stereo/normal_maps/" + image.name + ".geometric.bin"));

@@ -13,7 +13,7 @@
 namespace colmap_ext {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 // Numbers with all their digits: what float32 could not hold.
 Eigen::Vector3d RandomVector(std::mt19937_64* random) {
@@ -118,10 +118,10 @@ TEST(MeshIo, BadMeshesAreNamedByVertexOrFace) {
 TEST(MeshIo, WhatIsNotFiniteOrInconsistentIsNotWritten) {
   const TestFolder folder;
   Surface surface = RandomSurface();
-  surface.mesh.vertices[7].y() = kNan;
+  surface.mesh.vertices[7].y() = kNoNumber;
   ExpectError([&] { WriteSurface(surface, folder / "a.ply"); }, {"a.ply", "vertex 7"});
   surface = RandomSurface();
-  surface.sample_spacing_m[3] = kNan;
+  surface.sample_spacing_m[3] = kNoNumber;
   ExpectError([&] { WriteSurface(surface, folder / "a.ply"); }, {"a.ply", "vertex 3"});
   surface = RandomSurface();
   surface.sample_spacing_m.pop_back();
@@ -158,7 +158,7 @@ TEST(OrientedPointsIo, PointsComeBackExactly) {
     EXPECT_EQ(read[i].confidence, written[i].confidence);
     EXPECT_EQ(read[i].photo_index, written[i].photo_index);
   }
-  written[4].normal.x() = kNan;
+  written[4].normal.x() = kNoNumber;
   ExpectError([&] { WriteOrientedPoints(written, folder / "x.ply"); }, {"x.ply", "point 4"});
 }
 
@@ -236,7 +236,7 @@ TEST(CoverageMapIo, BadMapsAreRefused) {
   WriteFileAtomically(folder / "a.ply", bytes);
   ExpectError([&] { ReadCoverageMap(folder / "a.ply"); }, {"a.ply", "disk_area_m2"});
   CoverageMap map = RandomCoverageMap();
-  map.points[2].predicted_error_mm = kNan;
+  map.points[2].predicted_error_mm = kNoNumber;
   ExpectError([&] { WriteCoverageMap(map, folder / "b.ply"); }, {"b.ply", "iso-point 2"});
 }
 

@@ -12,8 +12,8 @@
 namespace colmap_ext {
 namespace {
 
-constexpr int kWidth = 96;
-constexpr int kHeight = 64;
+constexpr int kPhotoWidth = 96;
+constexpr int kPhotoHeight = 64;
 
 cv::Mat Gradient(int width, int height) {
   cv::Mat picture(height, width, CV_8UC3);
@@ -35,7 +35,7 @@ std::string Encoded(const cv::Mat& picture, const std::string& extension,
 
 TEST(ReadPhoto, DecodesLosslessPicturesExactly) {
   const TestFolder folder;
-  const cv::Mat picture = Gradient(kWidth, kHeight);
+  const cv::Mat picture = Gradient(kPhotoWidth, kPhotoHeight);
   for (const std::string extension : {".png", ".tif"}) {
     WriteFileAtomically(folder / ("a" + extension), Encoded(picture, extension));
     const cv::Mat read = ReadPhoto((folder / ("a" + extension)).string());
@@ -78,7 +78,7 @@ TEST(ReadPhoto, EveryTruncationIsAnError) {
 // A card that ran full or a copy that broke leaves zeros where the rest of the file should be.
 TEST(ReadPhoto, AZeroFilledTailIsAnError) {
   const TestFolder folder;
-  std::string bytes = Encoded(Gradient(kWidth, kHeight), ".jpg");
+  std::string bytes = Encoded(Gradient(kPhotoWidth, kPhotoHeight), ".jpg");
   std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(bytes.size() / 2), bytes.end(), '\0');
   WriteFileAtomically(folder / "zeros.jpg", bytes);
   ExpectError([&] { ReadPhoto((folder / "zeros.jpg").string()); }, {"zeros.jpg", "truncated"});
@@ -86,8 +86,9 @@ TEST(ReadPhoto, AZeroFilledTailIsAnError) {
 
 TEST(ReadPhoto, WhatFollowsTheEndOfAJpegDoesNotMatter) {
   const TestFolder folder;
-  WriteFileAtomically(folder / "a.jpg", Encoded(Gradient(kWidth, kHeight), ".jpg") + "preview");
-  EXPECT_EQ(ReadPhoto((folder / "a.jpg").string()).cols, kWidth);
+  WriteFileAtomically(folder / "a.jpg",
+                      Encoded(Gradient(kPhotoWidth, kPhotoHeight), ".jpg") + "preview");
+  EXPECT_EQ(ReadPhoto((folder / "a.jpg").string()).cols, kPhotoWidth);
 }
 
 TEST(ReadPhoto, WhatIsNoPictureIsAnError) {
@@ -118,15 +119,15 @@ Reconstruction ModelWith(const Camera& camera, const std::vector<std::string>& n
 
 Camera Pinhole() {
   return {.model = CameraModel::kPinhole,
-          .width = kWidth,
-          .height = kHeight,
+          .width = kPhotoWidth,
+          .height = kPhotoHeight,
           .params = {80, 82, 48.5, 31.5}};
 }
 
 TEST(LoadPhotoSet, PhotosAreSortedByNameAndKeepTheirPoses) {
   const TestFolder folder;
   const Reconstruction model = ModelWith(Pinhole(), {"b.png", "a/z.png", "c.png"});
-  const cv::Mat picture = Gradient(kWidth, kHeight);
+  const cv::Mat picture = Gradient(kPhotoWidth, kPhotoHeight);
   for (const auto& [id, image] : model.images) {
     WriteFileAtomically(folder / image.name, Encoded(picture, ".png"));
   }
@@ -216,26 +217,26 @@ void ExpectUndistorts(const Camera& camera) {
 
 TEST(LoadPhotoSet, DistortedPhotosBecomePinholePhotos) {
   ExpectUndistorts({.model = CameraModel::kSimpleRadial,
-                    .width = kWidth,
-                    .height = kHeight,
+                    .width = kPhotoWidth,
+                    .height = kPhotoHeight,
                     .params = {80, 48, 32, -0.15}});
   ExpectUndistorts({.model = CameraModel::kOpenCV,
-                    .width = kWidth,
-                    .height = kHeight,
+                    .width = kPhotoWidth,
+                    .height = kPhotoHeight,
                     .params = {80, 84, 47, 33, 0.1, 0.02, 0.004, -0.003}});
   ExpectUndistorts({.model = CameraModel::kOpenCVFisheye,
-                    .width = kWidth,
-                    .height = kHeight,
+                    .width = kPhotoWidth,
+                    .height = kPhotoHeight,
                     .params = {80, 80, 48, 32, 0.02, 0.01, 0, 0}});
 }
 
 TEST(LoadPhotoSet, TheFirstBadPhotoIsNamed) {
   const TestFolder folder;
   const Reconstruction model = ModelWith(Pinhole(), {"d.png", "c.png", "b.png", "a.png"});
-  const std::string good = Encoded(Gradient(kWidth, kHeight), ".png");
+  const std::string good = Encoded(Gradient(kPhotoWidth, kPhotoHeight), ".png");
   for (const auto& [id, image] : model.images) WriteFileAtomically(folder / image.name, good);
   WriteFileAtomically(folder / "b.png", good.substr(0, good.size() / 2));
-  WriteFileAtomically(folder / "c.png", Encoded(Gradient(kWidth, kHeight + 1), ".png"));
+  WriteFileAtomically(folder / "c.png", Encoded(Gradient(kPhotoWidth, kPhotoHeight + 1), ".png"));
   for (int i = 0; i < 20; ++i) {  // whichever thread is faster
     ExpectError([&] { LoadPhotoSet(model, folder.path().string(), true); }, {"b.png", "truncated"});
   }
@@ -258,7 +259,7 @@ TEST(LoadPhotoSet, AMissingCameraOrImageIsNamed) {
 
 TEST(WritePhoto, ComesBackAndObeysTheQuality) {
   const TestFolder folder;
-  const cv::Mat picture = Gradient(kWidth, kHeight);
+  const cv::Mat picture = Gradient(kPhotoWidth, kPhotoHeight);
   WritePhoto(picture, folder / "a.png");
   EXPECT_EQ(cv::norm(ReadPhoto((folder / "a.png").string()), picture, cv::NORM_INF), 0);
   WritePhoto(picture, folder / "good.jpg", 98);

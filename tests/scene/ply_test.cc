@@ -120,7 +120,7 @@ TEST(Ply, EveryTruncationIsAnError) {
   }
 }
 
-struct BadText {
+struct BadPly {
   std::string from;
   std::string to;
   std::string message;
@@ -128,7 +128,7 @@ struct BadText {
 
 TEST(Ply, BadTextIsNamedByItsLine) {
   const TestFolder folder;
-  const std::vector<BadText> cases = {
+  const std::vector<BadPly> cases = {
       {"ply\n", "obj\n", "line 1: this is no PLY file"},
       {"ascii", "binary_big_endian", "line 2: format binary_big_endian is not supported"},
       {"format ascii 1.0\n", "", "no format line"},
@@ -148,7 +148,7 @@ TEST(Ply, BadTextIsNamedByItsLine) {
       {"3 0 1 2 -5", "200 0 1 2 -5", "line 16: the value of vertex_indices is missing"},
       {"obj_info", "something", "line 4: unknown header word 'something'"},
   };
-  for (const BadText& bad : cases) {
+  for (const BadPly& bad : cases) {
     std::string text = kTriangle;
     const auto at = text.find(bad.from);
     ASSERT_NE(at, std::string::npos) << bad.from;

@@ -14,9 +14,6 @@ using test::AutopilotPeer;
 using test::kPlace;
 using test::QuietDrone;
 
-constexpr auto kPx4 = AutopilotPersonality::kPx4;
-constexpr auto kArduPilot = AutopilotPersonality::kArduPilot;
-
 class MissionTest : public ::testing::TestWithParam<AutopilotPersonality> {
  protected:
   MissionTest() : peer_(QuietDrone(GetParam())) {

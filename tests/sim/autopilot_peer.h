@@ -11,6 +11,13 @@
 #include "colmap_ext/geom/geodesy.h"
 #include "colmap_ext/sim/autopilot.h"
 
+namespace colmap_ext {
+
+inline constexpr auto kPx4 = AutopilotPersonality::kPx4;
+inline constexpr auto kArduPilot = AutopilotPersonality::kArduPilot;
+
+}  // namespace colmap_ext
+
 namespace colmap_ext::test {
 
 inline constexpr GeoPosition kPlace{47.4, 8.5, 500};

@@ -15,9 +15,6 @@ using test::AutopilotPeer;
 using test::kPlace;
 using test::QuietDrone;
 
-constexpr auto kPx4 = AutopilotPersonality::kPx4;
-constexpr auto kArduPilot = AutopilotPersonality::kArduPilot;
-
 MavMissionItemInt FenceCorner(int seq, double east, double north, int corners) {
   const GeoPosition place = GeoFromEnu(kPlace, {east, north, 0});
   MavMissionItemInt item;

@@ -16,9 +16,6 @@ using test::AutopilotPeer;
 using test::kPlace;
 using test::QuietDrone;
 
-constexpr auto kPx4 = AutopilotPersonality::kPx4;
-constexpr auto kArduPilot = AutopilotPersonality::kArduPilot;
-
 class BothStacks : public ::testing::TestWithParam<AutopilotPersonality> {
  protected:
   AutopilotOptions options_ = QuietDrone(GetParam());

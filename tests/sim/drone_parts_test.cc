@@ -14,9 +14,6 @@ using test::AutopilotPeer;
 using test::kPlace;
 using test::QuietDrone;
 
-constexpr auto kPx4 = AutopilotPersonality::kPx4;
-constexpr auto kArduPilot = AutopilotPersonality::kArduPilot;
-
 MavMissionItemInt Corner(MavCmd command, double east, double north, double parameter) {
   const GeoPosition place = GeoFromEnu(kPlace, {east, north, 0});
   MavMissionItemInt item;

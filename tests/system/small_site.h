@@ -15,7 +15,7 @@ class SmallSite : public ProgramTest {
  protected:
   // A box on a floor, seven photos and their sparse model, as `images` and `sparse`.
   SmallSite() {
-    testing::AnalyticScene scene;
+    test::AnalyticScene scene;
     scene.rectangles.push_back({{-15, -15, 0}, {30, 0, 0}, {0, 30, 0}, {120, 140, 130}, 1, 50});
     scene.rectangles.push_back({{-1.5, -1.5, 2.5}, {3, 0, 0}, {0, 3, 0}, {50, 60, 200}, 4, 50});
     scene.rectangles.push_back({{-1.5, -1.5, 0}, {3, 0, 0}, {0, 0, 2.5}, {190, 70, 60}, 7, 50});
@@ -23,12 +23,11 @@ class SmallSite : public ProgramTest {
     std::vector<Rigid3d> poses;
     for (int i = 0; i < 7; ++i) {
       const double angle = 0.5 + 0.14 * (i - 3);
-      poses.push_back(testing::LookAt({9 * std::sin(angle), -9 * std::cos(angle), 6}, {0, 0, 0.5}));
+      poses.push_back(test::LookAt({9 * std::sin(angle), -9 * std::cos(angle), 6}, {0, 0, 0.5}));
     }
-    const testing::AnalyticSurvey survey =
-        testing::Survey(scene, testing::TestCamera(), poses, 500);
+    const test::AnalyticSurvey survey = test::Survey(scene, test::TestCamera(), poses, 500);
     Reconstruction model;
-    model.cameras[1] = ToCamera(testing::TestCamera());
+    model.cameras[1] = ToCamera(test::TestCamera());
     std::filesystem::create_directories(folder_ / "images");
     for (const PosedPhoto& photo : survey.photos.photos) {
       model.images[photo.image_id] = {photo.name, 1, photo.cam_from_world, {}};

@@ -14,6 +14,7 @@ namespace colmap_ext {
 
 // The steps of everything that moves; results do not depend on how time is cut into Step() calls.
 inline constexpr std::int64_t kSimulationStepUs = 10'000;
+inline constexpr double kSimulationStepS = static_cast<double>(kSimulationStepUs) * 1e-6;
 
 // Independent standard normal numbers, the same on every machine (Box and Muller; the standard
 // library's normal_distribution differs between implementations).

@@ -212,9 +212,9 @@ TexturedScene MakeGroundPlane(const BoundingBox& model, const LoadSceneOptions& 
     return meadow(point);
   };
   const Eigen::Vector3d center = model.center();
-  const Frame frame{{center.x(), center.y(), model.min().z() - 2e-3 * scale},
-                    Eigen::Vector3d::UnitX(),
-                    Eigen::Vector3d::UnitY()};
+  const PlaneFrame frame{{center.x(), center.y(), model.min().z() - 2e-3 * scale},
+                         Eigen::Vector3d::UnitX(),
+                         Eigen::Vector3d::UnitY()};
   const auto square = [](double h) { return RectanglePolygon(-h, -h, h, h); };
   builder.AddRectangle(builder.AddMaterial("added_ground", 2 * half / 2400, scaled),
                        frame.Moved(-half, -half), 2 * half, 2 * half, half / 60);

@@ -169,38 +169,86 @@ const page = await open(browser, pathToFileURL(path.join(folder, 'index.html')).
   reducedMotion: 'no-preference',
 });
 await shown(page, 0);
-const rows = [['first paint', 'ms', await firstPaint(page)]];
-rows.push([
-  'page open with 100,000 sparse points, 320,000 faces, 30,000 iso-points',
-  'ms',
-  await page.evaluate(() => performance.now()),
-]);
+
+const processes = await browser.newBrowserCDPSession();
+/** CPU seconds of the browser so far, and the memory of its processes, MB. */
+async function usage() {
+  const { processInfo } = await processes.send('SystemInfo.getProcessInfo');
+  const kib = processInfo.map(({ id }) => {
+    try {
+      return Number(/^Pss:\s+(\d+)/m.exec(readFileSync(`/proc/${id}/smaps_rollup`, 'utf8'))[1]);
+    } catch {
+      return 0; // it has ended
+    }
+  });
+  return {
+    cpu: processInfo.reduce((sum, { cpuTime }) => sum + cpuTime, 0),
+    memory: kib.reduce((a, b) => a + b) / 1000,
+  };
+}
+/** Waits until all that is shown is drawn. Returns the longest pause between two frames, ms. */
+const complete = () =>
+  page.evaluate(async () => {
+    const { viewer } = colmapExt.app;
+    const gl = viewer.renderer.getContext();
+    let last = performance.now();
+    let pause = 0;
+    for (let still = 0; still < 3; ) {
+      await new Promise((resolve) => requestAnimationFrame(resolve));
+      still = viewer.pending ? 0 : still + 1;
+      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // waits for the drawing
+      pause = Math.max(pause, performance.now() - last);
+      last = performance.now();
+    }
+    return pause;
+  });
+/** Turns the view: ms from frame to frame (the middle one), CPU ms a frame. */
+async function turning(frames) {
+  const before = await usage();
+  const ms = await page.evaluate(async (count) => {
+    const { viewer } = colmapExt.app;
+    const gl = viewer.renderer.getContext();
+    const times = [];
+    for (let i = 0; i < count; ++i) {
+      const t = performance.now();
+      viewer.nudge({ turn: 0.02 });
+      await new Promise((resolve) => requestAnimationFrame(resolve));
+      await new Promise((resolve) => setTimeout(resolve)); // the frame's commands are given
+      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+      times.push(performance.now() - t);
+    }
+    return times.slice(count / 3).sort((a, b) => a - b)[Math.floor(count / 3)];
+  }, frames);
+  return [ms, (1000 * ((await usage()).cpu - before.cpu)) / frames];
+}
+
+const rows = [];
+const row = (what, value, unit = 'ms') => rows.push([what, value, unit]);
+row('first paint', await firstPaint(page));
+const opened = await page.evaluate(() => performance.now());
+row('page open: 100,000 sparse points, 320,000 faces, 30,000 iso-points, photos', opened);
+await complete();
+row('memory then, all processes of the browser', (await usage()).memory, 'MB');
 const begun = Date.now();
 await page.evaluate(() => colmapExt.app.setLayer('fused', true));
 await page.waitForFunction(() => document.documentElement.dataset.fused === 'true');
-await settle(page);
-rows.push([
-  `load, decode and show ${points.toLocaleString('en')} points`,
-  'ms',
-  Date.now() - begun,
-]);
-const frames = (body) =>
-  page.evaluate(async (change) => {
-    const { viewer } = colmapExt.app;
-    const times = [];
-    for (let i = 0; i < 30; ++i) {
-      const t = performance.now();
-      viewer.nudge({ turn: 0.02 });
-      await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
-      const gl = viewer.renderer.getContext();
-      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // waits for the drawing
-      times.push(performance.now() - t);
-    }
-    return times.slice(10).sort((a, b) => a - b)[10];
-  }, body);
-rows.push(['turning the view, everything shown: middle frame', 'ms', await frames()]);
+row(`load and decode ${points.toLocaleString('en')} points`, Date.now() - begun);
+await complete();
+row('… until all of them are drawn', Date.now() - begun);
+row('memory then', (await usage()).memory, 'MB');
+const all = await turning(30);
+row('turning the view, everything shown: a frame', all[0]);
+row('CPU time of such a frame (the machine has other work)', all[1]);
+const rested = Date.now();
+const pause = await complete();
+row('from the last turn until all points are drawn again', Date.now() - rested);
+row('longest pause between frames meanwhile', pause);
 await page.evaluate(() => colmapExt.app.setLayer('fused', false));
-rows.push(['the same without the dense points', 'ms', await frames()]);
+await complete();
+const few = await turning(30);
+row('turning without the dense points: a frame', few[0]);
+row('CPU time of such a frame', few[1]);
+await complete();
 const click = await page.evaluate(() => {
   const t = performance.now();
   const box = colmapExt.app.viewer.canvas.getBoundingClientRect();
@@ -211,14 +259,12 @@ const click = await page.evaluate(() => {
   const seen = colmapExt.app.viewer.photosThatSee(point, normal).length;
   return [first, performance.now() - u, seen];
 });
-rows.push(
-  ['first click: search tree over 320,000 faces and what is there', 'ms', click[0]],
-  [`photos that see a point, of ${photos} (${click[2]} do)`, 'ms', click[1]],
-);
+row('first click: search tree over 320,000 faces and what is there', click[0]);
+row(`photos that see a point, of ${photos} (${click[2]} do)`, click[1]);
 await settle(page);
 await screenshot(page, 'bench');
 console.log(
-  `| what | ms |\n|---|---|\n${rows.map(([what, , value]) => `| ${what} | ${value.toFixed(1)} |`).join('\n')}`,
+  `| what | value |\n|---|---|\n${rows.map(([what, value, unit]) => `| ${what} | ${value.toFixed(0)} ${unit} |`).join('\n')}`,
 );
 const problems = page.problems.filter((text) => !/photos\/|ERR_FILE_NOT_FOUND/.test(text)); // it has no photos
 if (problems.length) console.log(problems.join('\n'));

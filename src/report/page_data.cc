@@ -131,7 +131,7 @@ Json CoverageToJson(const CoverageMap& map, const PageGrid& grid) {
   std::vector<Eigen::Vector3d> positions;
   for (const IsoPoint& point : map.points) positions.push_back(point.position);
   const std::vector<std::size_t> order = SpatialOrder(positions);
-  Bytes normals, classes, views, errors;
+  Bytes normals, classes, views, errors, scores;
   for (const std::size_t i : order) {
     const IsoPoint& point = map.points[i];
     for (int k = 0; k < 3; ++k) {
@@ -141,6 +141,7 @@ Json CoverageToJson(const CoverageMap& map, const PageGrid& grid) {
     views.push_back(point.num_good_views);
     const double error_um = std::clamp(1000 * point.predicted_error_mm, -1.0, 2e9);
     errors.push_back(static_cast<std::int32_t>(point.predicted_error_mm < 0 ? -1 : error_um));
+    scores.push_back(ToByte(point.score));
   }
   Json json = {
       {"position", PackPositions(Reordered(positions, order), grid.origin, grid.step_m)},
@@ -154,6 +155,9 @@ Json CoverageToJson(const CoverageMap& map, const PageGrid& grid) {
   };
   const bool has_errors = std::any_of(errors.begin(), errors.end(), [](int e) { return e >= 0; });
   if (has_errors) json["predicted_error_um"] = PackIntegers(errors, 1);
+  // Maps of before there were scores have 0 everywhere.
+  const bool has_scores = std::any_of(scores.begin(), scores.end(), [](int s) { return s > 0; });
+  if (has_scores) json["score_255"] = PackIntegers(scores, 1);
   return json;
 }
 

@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Raised when the format of data/ changes, so that old files are written again.
-constexpr int kPageFormat = 1;
+constexpr int kPageFormat = 2;
 
 constexpr const char* kAssetNames[] = {"page.html", "page.js", "page.css"};
 

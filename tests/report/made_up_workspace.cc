@@ -86,6 +86,7 @@ CoverageMap CoverageOf(const MadeUpHouse& house, int iteration, int iterations) 
                                             : CoverageClass::kUncovered;
     point.num_good_views = point.coverage == CoverageClass::kCovered ? 3 + iteration : 1;
     point.predicted_error_mm = point.coverage == CoverageClass::kUncovered ? -1 : 5 + 3 * away;
+    point.score = std::clamp(1 - away / 8, 0.0, 1.0);
     map.points.push_back(point);
   }
   return map;

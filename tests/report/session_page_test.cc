@@ -80,6 +80,7 @@ TEST_F(SessionPageTest, HoldsTheIterationsNumbers) {
   EXPECT_EQ(json["coverage"]["counts"][1], coverage["covered"]);
   EXPECT_EQ(json["coverage"]["counts"][2], coverage["ignored"]);
   EXPECT_TRUE(json["coverage"].contains("predicted_error_um"));
+  EXPECT_EQ(json["coverage"]["score_255"]["count"], json["coverage"]["class"]["count"]);
   EXPECT_EQ(json["views"].size(), 4U);
   EXPECT_EQ(json["path"]["waypoints"].size(), 5U);
 }

@@ -1,6 +1,6 @@
 // Points and iso-points: one buffer each, drawn by one call; colours change by a uniform.
 import { BufferAttribute, BufferGeometry, Points, ShaderMaterial, Vector3 } from 'three';
-import { classes, cividis, scale, unknown, viridis } from './palette.js';
+import { classes, cividis, unknown, viridis } from './palette.js';
 
 const pointVertex = `
 uniform float size;
@@ -14,53 +14,47 @@ void main() {
 const pointFragment = `
 varying vec3 vColor;
 void main() {
+#ifdef ROUND
   vec2 at = 2.0 * gl_PointCoord - 1.0;
   if (dot(at, at) > 1.0) discard;
+#endif
   gl_FragColor = vec4(vColor, 1.0);
 }`;
 
-// Point i goes to a place such that every prefix of the buffer is an even sample of the whole: a
-// slow machine draws a prefix while the view moves.
-function evenOrder(count, strides) {
-  const place = new Uint32Array(count);
-  let next = 0;
-  for (let s = 0; s < strides; ++s) {
-    for (let i = s; i < count; i += strides) place[i] = next++;
-  }
-  return place;
-}
+const largeFrom = 30000; // points: a slow machine draws them bit by bit
+const roundFromPx = 4; // below, nobody tells a disc from a square, which is drawn in half the time
 
-/** Coloured points. `source`: {position Float32Array, color Uint8Array}. */
+/**
+ * Coloured points. `source`: {position Float32Array, color Uint8Array}, of which every prefix is an
+ * even sample of the whole (model.js); both are used as they are. `size`: pixels of the canvas.
+ */
 export class PointCloud extends Points {
   constructor(source, size) {
-    const count = source.position.length / 3;
-    const place = evenOrder(count, count > 100000 ? 16 : 1);
-    const position = new Float32Array(3 * count);
-    const color = new Uint8Array(3 * count);
-    for (let i = 0; i < count; ++i) {
-      for (let k = 0; k < 3; ++k) {
-        position[3 * place[i] + k] = source.position[3 * i + k];
-        color[3 * place[i] + k] = source.color[3 * i + k];
-      }
-    }
     const geometry = new BufferGeometry();
-    geometry.setAttribute('position', new BufferAttribute(position, 3));
-    geometry.setAttribute('rgb', new BufferAttribute(color, 3, true));
+    geometry.setAttribute('position', new BufferAttribute(source.position, 3));
+    geometry.setAttribute('rgb', new BufferAttribute(source.color, 3, true));
     super(
       geometry,
       new ShaderMaterial({
         vertexShader: pointVertex,
         fragmentShader: pointFragment,
+        defines: size >= roundFromPx ? { ROUND: 1 } : {},
         uniforms: { size: { value: size } },
       }),
     );
-    this.count = count;
+    this.count = source.position.length / 3;
+    this.large = this.count > largeFrom;
     this.frustumCulled = false;
   }
 
-  /** Draws this part (0 … 1) of the points. */
+  /** Draws `count` points from `first` on. */
+  range(first, count) {
+    this.geometry.setDrawRange(first, Math.min(count, this.count - first));
+  }
+
+  /** Draws the first part (0 … 1) of the points. */
   set share(value) {
-    this.geometry.setDrawRange(0, Math.ceil(value * this.count));
+    this.range(0, Math.ceil(value * this.count));
   }
 
   dispose() {
@@ -77,7 +71,7 @@ uniform vec3 stops[6];
 uniform vec3 unknownColor;
 uniform bvec3 shown;
 attribute vec3 normal8;
-attribute float kind, views, error;
+attribute float kind, views, error, score;
 varying vec3 vNormal, vColor;
 varying float vZ, vRadius;
 vec3 ramp(float share) {
@@ -93,7 +87,7 @@ void main() {
   bool visible = k == 0 ? shown.x : (k == 1 ? shown.y : shown.z);
   if (mode < 0.5) vColor = classColors[k];
   else if (mode < 1.5) vColor = error < 0.0 ? unknownColor : ramp((log(error) - low) / (high - low));
-  else vColor = ramp((views - low) / (high - low));
+  else vColor = ramp(((mode < 2.5 ? views : score) - low) / (high - low));
   vRadius = radius;
   vZ = center.z;
   gl_Position = visible ? projectionMatrix * center : vec4(2.0, 2.0, 2.0, 1.0);
@@ -117,8 +111,18 @@ void main() {
   gl_FragColor = vec4(vColor * light * (r2 > 0.8 ? 0.86 : 1.0), 1.0);
 }`;
 
-export const colorings = ['class', 'error', 'views'];
+export const colorings = ['class', 'error', 'score', 'views'];
+const modes = { class: 0, error: 1, views: 2, score: 3 };
 export const maxViewsShown = 10;
+
+/** Colours of an amount, for numbers that rise. Dark is bad in all: few views, large errors. */
+export const rampOf = (coloring) =>
+  ({ error: [...viridis].reverse(), score: viridis, views: cividis })[coloring] ?? cividis;
+
+/** Whether a map can be coloured so. */
+export const hasColoring = (coverage, coloring) =>
+  (coloring !== 'error' || Boolean(coverage?.errorUm)) &&
+  (coloring !== 'score' || Boolean(coverage?.score));
 
 const quantile = (sorted, share) =>
   sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))];
@@ -152,6 +156,8 @@ export class CoverageCloud extends Points {
     geometry.setAttribute('kind', new BufferAttribute(coverage.kind, 1));
     geometry.setAttribute('views', new BufferAttribute(Float32Array.from(coverage.views), 1));
     geometry.setAttribute('error', new BufferAttribute(error, 1));
+    const score = coverage.score ?? new Uint8Array(count);
+    geometry.setAttribute('score', new BufferAttribute(score, 1, true));
     const vectors = (colors) => colors.map((c) => new Vector3(...c));
     super(
       geometry,
@@ -179,12 +185,11 @@ export class CoverageCloud extends Points {
   /** `coloring`: one of colorings. */
   set coloring(coloring) {
     const u = this.material.uniforms;
-    u.mode.value = Math.max(0, colorings.indexOf(coloring));
+    u.mode.value = modes[coloring];
     const range = coloring === 'error' ? errorRange(this.coverage) : null;
     u.low.value = range ? Math.log(range[0]) : 0;
-    u.high.value = range ? Math.log(range[1]) : maxViewsShown;
-    // Dark is bad in both: few views, large errors.
-    const stops = coloring === 'error' ? [...viridis].reverse() : cividis;
+    u.high.value = range ? Math.log(range[1]) : coloring === 'score' ? 1 : maxViewsShown;
+    const stops = rampOf(coloring);
     u.stops.value = stops.map((c) => new Vector3(...c));
   }
 
@@ -200,14 +205,4 @@ export class CoverageCloud extends Points {
     this.geometry.dispose();
     this.material.dispose();
   }
-}
-
-/** Colour of an iso-point for legends and lists, as css numbers 0 … 1. */
-export function colorOf(coverage, i, coloring) {
-  if (coloring === 'class') return classes[coverage.kind[i]].color;
-  if (coloring === 'views') return scale(cividis, coverage.views[i] / maxViewsShown);
-  const range = errorRange(coverage);
-  if (!range || coverage.errorUm[i] < 0) return unknown;
-  const share = Math.log(coverage.errorUm[i] / 1000 / range[0]) / Math.log(range[1] / range[0]);
-  return scale([...viridis].reverse(), share);
 }

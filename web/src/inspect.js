@@ -1,6 +1,5 @@
 // The tab "Inspect": the selected point or photo, else all photos.
-import { $, el, metres } from './dom.js';
-import { colorOf } from './clouds.js';
+import { $, el, metres, percent } from './dom.js';
 import { classes, css } from './palette.js';
 import { facts, photoCard, photoLink } from './photo.js';
 
@@ -63,7 +62,7 @@ function pointCard(app) {
   let color = null;
   if (iso >= 0) {
     title = `Iso-point ${iso}`;
-    color = colorOf(coverage, iso, 'class');
+    color = classes[coverage.kind[iso]].color;
     rows.push(
       ['Class', classes[coverage.kind[iso]].name],
       ['Good views (stage)', String(coverage.views[iso])],
@@ -76,6 +75,7 @@ function pointCard(app) {
           : metres(coverage.errorUm[iso] / 1e6),
       ]);
     }
+    if (coverage.score) rows.push(['Score', percent(coverage.score[iso] / 255)]);
   }
   const world = point.toArray().map((v, k) => (v + app.iterations.origin[k]).toFixed(2));
   rows.push(['Position (E, N, up)', `${world.join(', ')} m`]);

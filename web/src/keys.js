@@ -1,6 +1,5 @@
 // Keys, and the dialog that lists them.
 import { $, el } from './dom.js';
-import { colorings } from './clouds.js';
 import { layerKeys } from './layers.js';
 
 const help = [
@@ -57,8 +56,7 @@ function pageKey(app, key) {
     f: () => app.viewer.fit('fit'),
     t: () => app.viewer.fit('top'),
     g: () => app.viewer.fit('side'),
-    c: () =>
-      app.setColoring(colorings[(colorings.indexOf(app.viewer.coloring) + 1) % colorings.length]),
+    c: () => app.nextColoring(),
     '[': () => app.stepPhoto(-1),
     ']': () => app.stepPhoto(1),
     v: () => app.lookThrough(),

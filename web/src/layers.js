@@ -1,7 +1,7 @@
 // The card of layers and the legend of the coverage map.
 import { el, $, arrowKeys, grouped, percent } from './dom.js';
-import { colorings, errorRange, maxViewsShown } from './clouds.js';
-import { cividis, classes, css, viridis } from './palette.js';
+import { colorings, errorRange, hasColoring, maxViewsShown, rampOf } from './clouds.js';
+import { classes, css } from './palette.js';
 
 const layerNames = [
   ['surface', 'Surface'],
@@ -16,7 +16,13 @@ const layerNames = [
   ['ground', 'Grid'],
 ];
 export const layerKeys = layerNames.map(([name]) => name);
-const coloringNames = { class: 'Class', error: 'Predicted error', views: 'Good views' };
+const coloringNames = { class: 'Class', error: 'Error', score: 'Score', views: 'Views' };
+const coloringTitles = {
+  class: 'covered, uncovered, ignored',
+  error: 'predicted error of the final model',
+  score: 'how sure it is that the final model will be good there',
+  views: 'photos that see it well',
+};
 
 export function makeLayers(app) {
   const box = $('layers');
@@ -150,10 +156,17 @@ function errorLegend(coverage) {
   return [
     histogram(coverage, bin, 24),
     ...ramp(
-      [...viridis].reverse(),
+      rampOf('error'),
       [tick(0), tick(0.5), `${tick(1)} mm`],
-      'bright: sure · dark: unsure · grey: unknown',
+      'predicted error · bright: small · grey: unknown',
     ),
+  ];
+}
+
+function scoreLegend(coverage) {
+  return [
+    histogram(coverage, (i) => Math.floor((24 * coverage.score[i]) / 256), 24),
+    ...ramp(rampOf('score'), ['0', '50 %', '100 %'], 'how sure it is that the model will be good'),
   ];
 }
 
@@ -161,7 +174,7 @@ function viewsLegend(coverage) {
   return [
     histogram(coverage, (i) => coverage.views[i], maxViewsShown + 1),
     ...ramp(
-      cividis,
+      rampOf('views'),
       ['0', String(maxViewsShown / 2), `${maxViewsShown} or more`],
       'photos that see it well',
     ),
@@ -179,7 +192,7 @@ export function showLegend(app) {
     'aria-label': 'Colour of the coverage map',
   });
   for (const name of colorings) {
-    const has = name !== 'error' || coverage.errorUm;
+    const has = hasColoring(coverage, name);
     const on = app.viewer.coloring === name;
     choice.append(
       el(
@@ -191,7 +204,9 @@ export function showLegend(app) {
           tabindex: on ? 0 : -1,
           'data-coloring': name,
           disabled: !has,
-          title: has ? 'C: next one' : 'this map has no predicted errors',
+          title: has
+            ? `${coloringTitles[name]} (C: next one)`
+            : 'this map was made without such numbers',
           onclick: () => app.setColoring(name),
         },
         coloringNames[name],
@@ -203,6 +218,7 @@ export function showLegend(app) {
   const rows = {
     class: () => classRows(app, coverage),
     error: () => errorLegend(coverage),
+    score: () => scoreLegend(coverage),
     views: () => viewsLegend(coverage),
   };
   const focused = choice.contains(document.activeElement);

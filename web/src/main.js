@@ -1,5 +1,6 @@
 // The page of a session: state, and what happens when it changes.
 import { Charts } from './charts.js';
+import { colorings, hasColoring } from './clouds.js';
 import { take } from './data.js';
 import { $, arrowKeys, el, linkOf, metres } from './dom.js';
 import { showTable, showTiles } from './facts.js';
@@ -82,6 +83,7 @@ class App {
       const first = !this.data;
       const name = this.data?.photos[this.selection.photo]?.name;
       this.data = data;
+      if (!hasColoring(data.coverage, this.viewer.coloring)) this.viewer.coloring = 'class';
       this.viewer.setScene(data);
       if (first) {
         this.#firstLook();
@@ -183,9 +185,15 @@ class App {
     this.viewer.apply();
   }
 
+  /** The next colouring that the map has. */
+  nextColoring() {
+    const there = colorings.filter((name) => hasColoring(this.data?.coverage, name));
+    this.setColoring(there[(there.indexOf(this.viewer.coloring) + 1) % there.length]);
+  }
+
   setColoring(name) {
     if (!this.data) return;
-    if (name === 'error' && !this.data.coverage?.errorUm) name = 'views';
+    if (!hasColoring(this.data.coverage, name)) return;
     this.viewer.coloring = name;
     this.viewer.apply();
     showLegend(this);

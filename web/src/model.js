@@ -19,6 +19,29 @@ function photoOf(raw, cameras, origin) {
   };
 }
 
+const strides = 64;
+
+// Every prefix of the result is an even sample of the whole: what a slow machine draws while the
+// view moves.
+async function decodeCloud(raw, shift) {
+  const steps = await unpack(raw.position);
+  const bytes = await unpack(raw.color);
+  const count = steps.length / 3;
+  const stride = count > strides * strides ? strides : 1;
+  const position = new Float32Array(steps.length);
+  const color = new Uint8Array(steps.length);
+  let to = 0;
+  for (let s = 0; s < stride; ++s) {
+    for (let i = s; i < count; i += stride, ++to) {
+      for (let k = 0; k < 3; ++k) {
+        position[3 * to + k] = steps[3 * i + k] * raw.position.step + shift[k];
+        color[3 * to + k] = bytes[3 * i + k];
+      }
+    }
+  }
+  return { position, color };
+}
+
 async function decodeSurface(raw, shift) {
   return {
     position: await unpackPositions(raw.position, shift),
@@ -34,6 +57,7 @@ async function decodeCoverage(raw, shift) {
     kind: new Uint8Array(await unpack(raw.class)),
     views: await unpack(raw.good_views),
     errorUm: raw.predicted_error_um ? await unpack(raw.predicted_error_um) : null,
+    score: raw.score_255 ? new Uint8Array(await unpack(raw.score_255)) : null,
     radius: raw.disk_radius_m,
     counts: raw.counts,
   };
@@ -59,6 +83,8 @@ export class Iterations {
     const promise = known ?? make();
     this.#loaded.set(link, promise);
     promise.catch(() => this.#loaded.delete(link));
+    const clouds = [...this.#loaded.keys()].filter((key) => key.startsWith('fused '));
+    if (clouds.length > 2) this.#loaded.delete(clouds[0]);
     while (this.#loaded.size > 3 * this.#limit) {
       this.#loaded.delete(this.#loaded.keys().next().value);
     }
@@ -79,10 +105,7 @@ export class Iterations {
         frame: raw.frame ?? {},
         summary: raw.summary ?? null,
         photos: raw.photos.list.map((photo) => photoOf(photo, raw.photos.cameras, this.origin)),
-        points: {
-          position: await unpackPositions(raw.points.position, shift),
-          color: new Uint8Array(await unpack(raw.points.color)),
-        },
+        points: await decodeCloud(raw.points, shift),
         surface: raw.surface ? await decodeSurface(raw.surface, shift) : null,
         coverage: raw.coverage ? await decodeCoverage(raw.coverage, shift) : null,
         views: (raw.views ?? []).map((view) => stopOf(view, this.origin)),
@@ -93,15 +116,12 @@ export class Iterations {
     });
   }
 
+  /** Of dense clouds only the last two are kept: 30 MB for 2 million points. */
   fused(index, links) {
-    return this.#once(links.fused, async () => {
+    return this.#once(`fused ${links.fused}`, async () => {
       const raw = await load(`fused/${this.#number(index)}`, links.fused);
       const shift = minus(raw.origin, this.origin);
-      return {
-        total: raw.total,
-        position: await unpackPositions(raw.position, shift),
-        color: new Uint8Array(await unpack(raw.color)),
-      };
+      return { total: raw.total, ...(await decodeCloud(raw, shift)) };
     });
   }
 

@@ -19,6 +19,7 @@ import {
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { CoverageCloud, PointCloud } from './clouds.js';
 import { Frusta } from './frusta.js';
+import { Painter, isEmulated } from './painter.js';
 import { accent } from './palette.js';
 import { makeDrone, placeDrone, Route } from './route.js';
 import { SurfaceMesh } from './surface.js';
@@ -50,9 +51,10 @@ export class Viewer {
   constructor(canvas, onView) {
     this.canvas = canvas;
     this.onView = onView; // called after every frame
+    const emulated = isEmulated();
     this.renderer = new WebGLRenderer({
       canvas,
-      antialias: true,
+      antialias: !emulated, // costs a CPU more than half of its frames
       alpha: true,
       powerPreference: 'high-performance',
     });
@@ -61,6 +63,7 @@ export class Viewer {
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(fovDeg, 1, 0.1, 1000);
     this.camera.up.copy(up);
+    this.painter = new Painter(this.renderer, this.scene, this.camera, emulated);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.enableDamping = true;
     this.controls.dampingFactor = 0.12;
@@ -101,7 +104,6 @@ export class Viewer {
     this.coloring = 'class';
     this.selectedPhoto = -1;
     this.seeing = new Set();
-    this.pointShare = 1;
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
     this.resize();
   }
@@ -135,6 +137,7 @@ export class Viewer {
       else this.scene.add(...[layer.lines, layer.faces, layer.views, layer.path].filter(Boolean));
     }
     this.layers = layers;
+    this.#tellPainter();
     this.epsilon = scene.surface ? automaticEpsilon(scene.surface) : 0;
     this.#makeGround();
     this.placeDrone(
@@ -180,7 +183,13 @@ export class Viewer {
       this.layers.fused = new PointCloud(cloud, 2 * this.renderer.getPixelRatio());
       this.scene.add(this.layers.fused);
     }
+    this.#tellPainter();
     this.apply();
+  }
+
+  #tellPainter() {
+    const { points, fused, surface } = this.layers;
+    this.painter.setContent([points, fused].filter(Boolean), surface);
   }
 
   placeDrone(at, yawDeg) {
@@ -345,6 +354,7 @@ export class Viewer {
     this.flight = null;
     this.onLeave?.();
     this.controls.update();
+    this.nudged = true;
     this.invalidate();
   }
 
@@ -429,6 +439,11 @@ export class Viewer {
   // ---- frames
 
   invalidate() {
+    this.painter.restart();
+    this.#ask();
+  }
+
+  #ask() {
     if (this.pending) return;
     this.pending = true;
     requestAnimationFrame((now) => this.#frame(now));
@@ -438,25 +453,11 @@ export class Viewer {
     this.pending = false;
     if (!this.data) return;
     this.flight?.(now);
-    const moved = this.flight ? true : this.controls.update();
-    const busy = moved || this.flight;
-    this.#adaptPoints(now, busy);
-    this.renderer.render(this.scene, this.camera);
+    const moving = this.flight ? true : this.controls.update() || this.nudged;
+    this.nudged = false;
+    const more = this.painter.draw(now, Boolean(moving));
     this.onView?.(this);
-    if (busy || this.pointShare < 1) this.invalidate();
-  }
-
-  // While the view moves and frames take longer than 40 ms, fewer points are drawn; all of them
-  // when it stands still.
-  #adaptPoints(now, busy) {
-    const last = now - (this.lastFrame ?? now);
-    this.lastFrame = now;
-    if (!busy) this.pointShare = 1;
-    else if (last > 40 && last < 1000) this.pointShare = Math.max(0.06, 0.7 * this.pointShare);
-    else if (last < 24) this.pointShare = Math.min(1, 1.1 * this.pointShare);
-    for (const name of ['points', 'fused']) {
-      if (this.layers[name]) this.layers[name].share = this.pointShare;
-    }
+    if (moving || more) this.#ask();
   }
 
   /** Degrees that north is turned on the screen, and metres a CSS pixel at the target. */

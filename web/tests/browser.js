@@ -106,6 +106,30 @@ export async function picture(page) {
   });
 }
 
+/** How many pixels of two screenshots differ by more than the browser's own dithering. */
+export const differing = (page, ...pngs) =>
+  page.evaluate(
+    async (texts) => {
+      const [a, b] = await Promise.all(
+        texts.map(async (text) => {
+          const image = await createImageBitmap(
+            new Blob([Uint8Array.from(atob(text), (c) => c.charCodeAt(0))], { type: 'image/png' }),
+          );
+          const canvas = new OffscreenCanvas(image.width, image.height);
+          const context = canvas.getContext('2d');
+          context.drawImage(image, 0, 0);
+          return context.getImageData(0, 0, image.width, image.height).data;
+        }),
+      );
+      let count = 0;
+      for (let i = 0; i < a.length; i += 4) {
+        if ([0, 1, 2].some((k) => Math.abs(a[i + k] - b[i + k]) > 16)) ++count;
+      }
+      return count;
+    },
+    pngs.map((png) => png.toString('base64')),
+  );
+
 /** Where a world position (on the page's axes) is in the window. */
 export const placeOf = (page, xyz) =>
   page.evaluate(([x, y, z]) => {

@@ -2,6 +2,7 @@
 import assert from 'node:assert/strict';
 import { after, before, beforeEach, describe, it } from 'node:test';
 import {
+  differing,
   firstPaint,
   launch,
   makePage,
@@ -88,20 +89,126 @@ describe('the page', () => {
     assert.deepEqual(page.problems, []);
   });
 
-  it('colours the coverage map by class, error and views, with legends', async () => {
+  it('colours the coverage map by class, error, score and views, with legends', async () => {
     const pictures = [await picture(page)];
-    assert.match(await page.textContent('#legend'), /uncovered.*covered.*ignored/s);
+    const legend = () => page.textContent('#legend');
+    assert.match(await legend(), /uncovered.*covered.*ignored/s);
     await page.click('[data-coloring=error]');
-    assert.match(await page.textContent('#legend'), /mm.*unknown/s);
+    assert.match(await legend(), /mm.*unknown/s);
     pictures.push(await picture(page));
     await page.keyboard.press('c');
-    assert.match(await page.textContent('#legend'), /10 or more/);
+    assert.match(await legend(), /50 %.*how sure/s);
     pictures.push(await picture(page));
-    assert.equal(new Set(pictures).size, 3);
-    await page.click('[data-coloring=class]');
+    await page.keyboard.press('c');
+    assert.match(await legend(), /10 or more/);
+    pictures.push(await picture(page));
+    assert.equal(new Set(pictures).size, 4);
+    await page.keyboard.press('c'); // the last one is followed by the first
     assert.equal(await picture(page), pictures[0]);
-    await page.locator('#legend .row input').first().uncheck();
-    assert.notEqual(await picture(page), pictures[0]);
+    await page.focus('[data-coloring=class]');
+    await page.keyboard.press('ArrowRight');
+    assert.equal(await page.getAttribute('[data-coloring=error]', 'aria-checked'), 'true');
+    await page.click('[data-coloring=class]');
+    for (const [k, row] of (await page.locator('#legend .row input').all()).entries()) {
+      await row.uncheck();
+      assert.notEqual(await picture(page), pictures[0], `class ${k}`);
+      await row.check();
+    }
+    assert.equal(await picture(page), pictures[0]);
+    const score = await app('app.data.coverage.score[0]');
+    await app('app.selectPoint(0)');
+    await page.waitForSelector('#point-card');
+    const shares = `${((100 * score) / 255).toFixed(1)} %`;
+    assert.ok((await page.textContent('#point-card')).includes(`Score${shares}`));
+  });
+
+  it('colours amounts by lightness, and classes so that any eyes tell them apart', async () => {
+    // Vienot, Brettel and Mollon's (1999) simulation of the two red-green blindnesses in linear
+    // RGB; a difference of colours as weighted distance. The classes on both backgrounds.
+    const colors = await page.evaluate(() =>
+      [...document.querySelectorAll('#legend .swatch')].map(
+        (each) => getComputedStyle(each).backgroundColor,
+      ),
+    );
+    const linear = (text) => text.match(/\d+/g).map((v) => (Number(v) / 255) ** 2.2);
+    const blind = {
+      protan: ([r, g, b]) => [0.1124 * r + 0.8876 * g, 0.1124 * r + 0.8876 * g, b],
+      deutan: ([r, g, b]) => [0.2927 * r + 0.7073 * g, 0.2927 * r + 0.7073 * g, b],
+    };
+    assert.equal(colors.length, 3);
+    for (const [name, see] of Object.entries(blind)) {
+      const seen = colors.map((text) => see(linear(text)).map((v) => 255 * v ** (1 / 2.2)));
+      for (const [i, j] of [
+        [0, 1],
+        [0, 2],
+        [1, 2],
+      ]) {
+        const apart = Math.hypot(...seen[i].map((v, k) => v - seen[j][k]));
+        assert.ok(apart > 40, `${name}: classes ${i} and ${j} are ${apart} apart`);
+      }
+    }
+    for (const coloring of ['error', 'score', 'views']) {
+      await page.click(`[data-coloring=${coloring}]`);
+      const stops = await page
+        .locator('#legend .ramp')
+        .evaluate((each) => each.style.background.match(/rgb\([^)]*\)/g));
+      const light = stops.map((text) => {
+        const [r, g, b] = linear(text);
+        return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+      });
+      const steps = light.slice(1).map((v, i) => v - light[i]);
+      assert.ok(
+        steps.every((v) => v > 0) || steps.every((v) => v < 0),
+        `${coloring}: lightness ${light}`,
+      );
+    }
+  });
+
+  it('draws a large cloud bit by bit, and fewer points while the view moves', async () => {
+    await page.evaluate(() => {
+      const { viewer } = colmapExt.app;
+      const [count, position, color] = [200000, new Float32Array(600000), new Uint8Array(600000)];
+      for (let i = 0; i < count; ++i) {
+        const [a, r] = [2.4 * i, 9 * Math.sqrt(i / count)];
+        position.set([r * Math.cos(a), r * Math.sin(a), 6 * Math.exp((-r * r) / 9)], 3 * i);
+        color.set([80 + 20 * r, 200 - 15 * r, 90], 3 * i);
+      }
+      Object.assign(viewer.painter.pace, { share: 0.05, coarse: true }); // as on a slow machine
+      viewer.setFused({ position, color });
+      viewer.shown.fused = true;
+      viewer.apply();
+    });
+    const drawn = () =>
+      page.waitForFunction(
+        () => colmapExt.app.viewer.painter.complete && !colmapExt.app.viewer.pending,
+      );
+    await drawn();
+    const first = await page.locator('#canvas').screenshot();
+    const moving = await page.evaluate(async () => {
+      const { viewer } = colmapExt.app;
+      viewer.nudge({ turn: 0.5 });
+      await new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
+      const { count } = viewer.layers.fused.geometry.drawRange;
+      viewer.nudge({ turn: -0.5 });
+      return count;
+    });
+    assert.ok(moving > 0 && moving < 20000, `${moving} points`);
+    await drawn();
+    assert.ok((await differing(page, first, await page.locator('#canvas').screenshot())) < 20);
+    const pieces = await page.evaluate(() => {
+      const { viewer } = colmapExt.app;
+      Object.assign(viewer.painter.pace, { share: 1, coarse: false }); // all at once
+      viewer.invalidate();
+      return viewer.painter.growing.cloud;
+    });
+    assert.equal(pieces, 1, 'the cloud was drawn in pieces');
+    await drawn();
+    const atOnce = await page.locator('#canvas').screenshot();
+    assert.ok((await differing(page, first, atOnce)) < 20, 'another picture than at once');
+    await app(`(app.setLayer('coverage', false), 0)`);
+    const other = await page.locator('#canvas').screenshot();
+    assert.ok((await differing(page, first, other)) > 2000, 'the comparison sees nothing');
+    assert.deepEqual(page.problems, []);
   });
 
   it('goes through the iterations by slider, buttons, keys, table and curve', async () => {

@@ -89,6 +89,7 @@ int RunPathPlanner(const Arguments& arguments, Program& program) {
   const std::vector<PlannedView> views = ReadViews(paths.views);
   const PlanningInputs inputs = ReadPlanningInputs(paths.input, paths.mesh, 0);
   ReadZones(inputs.frame, &options);
+  ReadVouchedPhotos(paths.workspace, &options);
   const Eigen::Vector3d start = start_text.empty()
                                     ? CameraCenter(inputs.photos.photos.back().cam_from_world)
                                     : ParseStart(start_text);

@@ -90,6 +90,7 @@ int RunViewPlanner(const Arguments& arguments, Program& program) {
   options.yaw_rate_deg_s = path_options.yaw_rate_deg_s;
   options.hover_s = path_options.hover_s;
   ReadZones(inputs.frame, &path_options);
+  ReadVouchedPhotos(paths.workspace, &path_options);
   const CoverageMap coverage = ReadCoverageMap(paths.coverage);
   ViewPlanInput input{coverage, inputs.surface, photos};
   input.camera = photos.front().camera;

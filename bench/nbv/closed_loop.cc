@@ -73,8 +73,10 @@ NextBestViewOptions PlanningOptions(const TrueSite& site, const std::string& str
 LoopResult RunGeometryLoop(const TrueSite& site, const std::string& strategy,
                            std::size_t wanted_covered, int max_photos, const JobControl& job) {
   const NextBestViewOptions nbv = PlanningOptions(site, strategy);
-  const PathOptions& path_options = site.options().path;
   std::vector<PosedPhoto> photos = site.FirstFlight();
+  PathOptions path_options = site.options().path;
+  path_options.vouched_photos.emplace();
+  for (const PosedPhoto& photo : photos) path_options.vouched_photos->insert(photo.name);
   CoverageCounter counter = site.NewCounter();
   for (const PosedPhoto& photo : photos) counter.Add(photo);
   LoopResult result;

@@ -24,6 +24,7 @@ class SiteMaker {
     Observe();
     ChooseStart();
     ChooseViews();
+    FlyPlanned();
     return std::move(site_);
   }
 
@@ -102,8 +103,29 @@ class SiteMaker {
         const double yaw = -turn + DegToRad(Between(-10, 10));
         photo.cam_from_world =
             CamFromWorld({place.x(), place.y(), height}, {yaw, DegToRad(pitch_deg)});
+        photo.name = "first" + std::to_string(site_.photos.size());
         site_.photos.push_back(photo);
       }
+    }
+    site_.num_first_photos = site_.photos.size();
+  }
+
+  // Photos of earlier planned flights: nobody vouches for what is around them.
+  void FlyPlanned() {
+    const int count = Count(0, 12);
+    for (int i = 0; i < count; ++i) {
+      const Eigen::Vector3d place(Between(-40, 40), Between(-40, 40), Between(2, 22));
+      const double yaw = std::atan2(-place.x(), -place.y()) + DegToRad(Between(-40, 40));
+      const double pitch = DegToRad(Between(-60, 10));
+      const bool is_free = std::none_of(site_.solids.begin(), site_.solids.end(),
+                                        [&](const Eigen::AlignedBox3d& solid) {
+                                          return solid.squaredExteriorDistance(place) < 1;
+                                        });
+      if (!is_free) continue;
+      PosedPhoto photo = site_.photos.front();
+      photo.name = "planned" + std::to_string(i);
+      photo.cam_from_world = CamFromWorld(place, {yaw, pitch});
+      site_.photos.push_back(photo);
     }
   }
 

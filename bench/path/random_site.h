@@ -23,9 +23,11 @@ struct Patch {
 struct RandomSite {
   std::vector<Eigen::AlignedBox3d> solids;  // all that is there: the ground is the first
   std::vector<Patch> observed;              // what some photo saw of what was reconstructed
-  std::vector<PosedPhoto> photos;           // of the first flight, a rectangle at one height
-  Eigen::AlignedBox3d flown;                // that rectangle: flat
-  std::string start_kind;                   // "free", "near", "inside"
+  // Of the first flight, a rectangle at one height, then of planned flights, anywhere in free air.
+  std::vector<PosedPhoto> photos;
+  std::size_t num_first_photos = 0;
+  Eigen::AlignedBox3d flown;  // that rectangle: flat
+  std::string start_kind;     // "free", "near", "inside"
   Eigen::Vector3d start = Eigen::Vector3d::Zero();
   std::vector<PlannedView> views;
 };

@@ -105,8 +105,16 @@ class Examiner {
         return true;
       }
     }
-    // The vehicle is where it is.
-    return (place - site_.start).norm() <= options_.flown_margin_m;
+    return WasVisited(place);
+  }
+
+  // Where the vehicle is or was there is room for it, but no more.
+  bool WasVisited(const Eigen::Vector3d& place) const {
+    const double room_m = 2 * options_.position_error_m + 1e-9;
+    if ((place - site_.start).norm() <= room_m) return true;
+    return std::any_of(site_.photos.begin(), site_.photos.end(), [&](const PosedPhoto& photo) {
+      return (place - CameraCenter(photo.cam_from_world)).norm() <= room_m;
+    });
   }
 
   bool IsAllowed(const Eigen::Vector3d& place) const {
@@ -179,7 +187,11 @@ PathOptions OptionsForSite(std::uint64_t seed) {
 
 SafetyFindings ExamineSite(std::uint64_t seed) {
   const RandomSite site = MakeRandomSite(seed);
-  const PathOptions options = OptionsForSite(seed);
+  PathOptions options = OptionsForSite(seed);
+  options.vouched_photos.emplace();
+  for (std::size_t i = 0; i < site.num_first_photos; ++i) {
+    options.vouched_photos->insert(site.photos[i].name);
+  }
   SafetyFindings findings;
   try {
     const FlightPath path =

@@ -104,6 +104,7 @@ FlightZone ParseFreeBox(const std::string& text) {
 std::string FreeSpaceOptions::Check() const {
   if (!std::isfinite(above_top_m)) return "above_top_m must be finite (metres)";
   if (!(flown_margin_m >= 0)) return "flown_margin_m must be >= 0 (metres)";
+  if (!(visited_margin_m >= 0)) return "visited_margin_m must be >= 0 (metres)";
   if (!(confident_spacing_m >= 0)) return "confident_spacing_m must be >= 0 (metres)";
   return "";
 }
@@ -140,7 +141,9 @@ struct FreeSpace::Impl {
   std::vector<Eigen::Vector3d> normals;  // unit, one a face
   double surface_top_m = -std::numeric_limits<double>::infinity();
   double known_above_m = std::numeric_limits<double>::infinity();  // z of the world
-  std::vector<HalfSpace> hull;  // of what was flown, margin included; empty: nothing was
+  std::vector<HalfSpace> hull;  // of the vouched places, margin included; empty: there are none
+  std::vector<Eigen::Vector3d> visited;
+  double visited_margin_m = 0;
   std::vector<FlightZone> zones;
   std::vector<DepthRaster> views;
 
@@ -149,10 +152,16 @@ struct FreeSpace::Impl {
       return half.outwards.dot(center) + radius_m <= half.offset_m;
     });
   }
+
+  bool WasVisited(const Eigen::Vector3d& center, double radius_m) const {
+    return std::any_of(visited.begin(), visited.end(), [&](const Eigen::Vector3d& place) {
+      return (center - place).norm() + radius_m <= visited_margin_m;
+    });
+  }
 };
 
 FreeSpace::FreeSpace(const Surface& surface, const std::vector<PosedPhoto>& photos,
-                     const std::vector<Eigen::Vector3d>& flown, const FreeSpaceOptions& options) {
+                     const FlownPlaces& flown, const FreeSpaceOptions& options) {
   ThrowIfInvalid(options.Check());
   if (!surface.sample_spacing_m.empty() &&
       surface.sample_spacing_m.size() != surface.mesh.vertices.size()) {
@@ -166,9 +175,9 @@ FreeSpace::FreeSpace(const Surface& surface, const std::vector<PosedPhoto>& phot
       impl_->known_above_m = impl_->surface_top_m + options.above_top_m;
     }
   }
-  std::vector<Eigen::Vector3d> positions = flown;
-  for (const PosedPhoto& photo : photos) positions.push_back(CameraCenter(photo.cam_from_world));
-  impl_->hull = HullAround(positions, options.flown_margin_m);
+  impl_->hull = HullAround(flown.vouched, options.flown_margin_m);
+  impl_->visited = flown.visited;
+  impl_->visited_margin_m = options.visited_margin_m;
   impl_->zones = options.zones;
   if (photos.empty()) return;
   const FaceClusters clusters(surface.mesh, ConfidentFaces(surface, options.confident_spacing_m));
@@ -203,7 +212,7 @@ bool FreeSpace::IsKnownFree(const Eigen::Vector3d& center, double radius_m) cons
   for (const FlightZone& zone : impl_->zones) {
     if (zone.Depth(center) >= radius_m) return true;
   }
-  if (impl_->IsInHull(center, radius_m)) return true;
+  if (impl_->IsInHull(center, radius_m) || impl_->WasVisited(center, radius_m)) return true;
   return std::any_of(impl_->views.begin(), impl_->views.end(),
                      [&](const DepthRaster& view) { return view.HasSeenPast(center, radius_m); });
 }

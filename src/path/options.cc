@@ -96,10 +96,13 @@ void BindOptions(OptionSet& set, PathOptions* options) {
   set.Add(s, "limits_path", &options->limits_path,
           "GeoJSON of geofence and no-fly zones, with altitude limits");
   set.Add(s, "flown_margin_m", &options->flown_margin_m,
-          "known free around the hull of the flown path (metres, >= 0)");
+          "known free around the hull of the vouched photos (metres, >= 0)");
+  set.Add(s, "vouched_image_list_path", &options->vouched_image_list_path,
+          "names of the photos, one a line, of flights that a person planned and vouches for; "
+          "empty: those of the session's first iteration, or all");
   set.Add(s, "free_volume", &options->free_volume,
-          "what the pilot vouches for, by ';': flown, above_top, boxes x,y,z,x,y,z, GeoJSON files; "
-          "or none");
+          "what the pilot vouches for, by ';': flown (around the vouched photos), above_top, boxes "
+          "x,y,z,x,y,z, GeoJSON files; or none");
   set.Add(s, "confident_spacing_m", &options->confident_spacing_m,
           "rays free what is before surface whose points are this dense (metres); 0: all of it");
   set.Add(s, "start_tolerance_m", &options->start_tolerance_m,

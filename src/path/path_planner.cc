@@ -5,6 +5,7 @@
 
 #include "colmap_ext/path/clearance.h"
 #include "colmap_ext/path/flight_time.h"
+#include "colmap_ext/scene/image_list.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/text.h"
 #include "path/battery.h"
@@ -288,6 +289,14 @@ void ReadZones(const WorldFrame& frame, PathOptions* options) {
   }
 }
 
+void ReadVouchedPhotos(const std::filesystem::path& workspace, PathOptions* options) {
+  if (!options->vouched_image_list_path.empty()) {
+    options->vouched_photos = ReadImageList(options->vouched_image_list_path);
+  } else if (!workspace.empty()) {
+    options->vouched_photos = FirstFlightPhotos(Workspace(workspace));
+  }
+}
+
 FreeSpace KnownSpace(const Surface& surface, const std::vector<PosedPhoto>& photos,
                      const Eigen::Vector3d& start, const PathOptions& options) {
   ThrowIfInvalid(options.Check());
@@ -298,9 +307,15 @@ FreeSpace KnownSpace(const Surface& surface, const std::vector<PosedPhoto>& phot
   known.confident_spacing_m = options.confident_spacing_m;
   SetFreeVolume(options.free_volume, &known);
   known.zones.insert(known.zones.end(), options.free_zones.begin(), options.free_zones.end());
-  // Nobody will ask.
-  const bool is_asked = options.unknown != "free";
-  return {surface, is_asked ? photos : std::vector<PosedPhoto>{}, {start}, known};
+  // The vehicle is off by position_error_m at most, and from there so again.
+  known.visited_margin_m = 2 * options.position_error_m;
+  if (options.unknown == "free") return {surface, {}, {}, known};  // nobody will ask
+  FlownPlaces flown{{}, {start}};
+  for (const PosedPhoto& photo : photos) {
+    const bool is_vouched = !options.vouched_photos || options.vouched_photos->contains(photo.name);
+    (is_vouched ? flown.vouched : flown.visited).push_back(CameraCenter(photo.cam_from_world));
+  }
+  return {surface, photos, flown, known};
 }
 
 std::function<bool(const Eigen::Vector3d&)> FlyablePositions(std::shared_ptr<const FreeSpace> space,

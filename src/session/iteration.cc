@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <set>
 #include <utility>
 
 #include "colmap_ext/coverage/coverage.h"
@@ -16,6 +17,7 @@
 #include "colmap_ext/nbv/next_best_views.h"
 #include "colmap_ext/path/path_planner.h"
 #include "colmap_ext/scene/coverage_map_io.h"
+#include "colmap_ext/scene/image_list.h"
 #include "colmap_ext/scene/mesh_io.h"
 #include "colmap_ext/scene/oriented_points_io.h"
 #include "colmap_ext/scene/photo_scale.h"
@@ -108,6 +110,13 @@ void RunSparse(const IterationContext& context, const SessionState& state, Work*
     const double depth_m = TypicalViewingDistance(context.options->coverage, work->sparse.model);
     NormalizeArbitraryFrame(depth_m, &work->sparse.model);
   }
+  if (state.iterations_done == 0) {
+    // What is there before we plan anything: a person's flight. Photos that register later are its,
+    // too.
+    std::set<std::string> names(work->sparse.registered.begin(), work->sparse.registered.end());
+    names.insert(work->sparse.unregistered.begin(), work->sparse.unregistered.end());
+    WriteImageList(names, context.workspace.first_flight_txt());
+  }
   WriteReconstructionBinary(work->sparse.model, work->files.sparse());
   WriteGeoregistration(work->sparse, work->files.sparse());
   WriteWorldFrame(work->sparse.frame, work->files.frame_json());
@@ -179,6 +188,7 @@ void RunPlanning(const IterationContext& context, const SessionState& state, Wor
   const Eigen::Vector3d start = VehiclePosition(work->photos);
   PathOptions path_options = options.path;
   ReadZones(work->sparse.frame, &path_options);
+  ReadVouchedPhotos(context.workspace.root(), &path_options);
   std::shared_ptr<const FreeSpace> space;
   Timed("nbv", work, job, [&] {
     space = std::make_shared<const FreeSpace>(

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+
 #include "colmap_ext/util/error.h"
 #include "path/box_world.h"
 
@@ -30,7 +33,7 @@ TEST(FreeSpace, KnowsWhatIsHighAboveTheSurface) {
 TEST(FreeSpace, KnowsTheHullOfWhatWasFlown) {
   const std::vector<Eigen::Vector3d> flown = {
       {-10, -10, 8}, {10, -10, 8}, {10, 10, 8}, {-10, 10, 8}};
-  const FreeSpace space(SurfaceOf(kBlockOnGround), {}, flown, Vouched(5, 2));
+  const FreeSpace space(SurfaceOf(kBlockOnGround), {}, {flown, {}}, Vouched(5, 2));
   EXPECT_TRUE(space.IsKnownFree({9, 9, 8}, 0.5));
   EXPECT_TRUE(space.IsKnownFree({0, -11, 8.5}, 0.5));
   EXPECT_TRUE(space.IsKnownFree({-8, 0, 6.6}, 0.5));
@@ -40,8 +43,51 @@ TEST(FreeSpace, KnowsTheHullOfWhatWasFlown) {
 }
 
 TEST(FreeSpace, HasNoHullWithoutAMargin) {
-  const FreeSpace space(SurfaceOf(kBlockOnGround), {}, {{-10, 0, 8}, {10, 0, 8}}, Vouched(5, 0));
+  const FlownPlaces flown{{{-10, 0, 8}, {10, 0, 8}}, {}};
+  const FreeSpace space(SurfaceOf(kBlockOnGround), {}, flown, Vouched(5, 0));
   EXPECT_FALSE(space.IsKnownFree({0, 0, 8}, 0));
+}
+
+TEST(FreeSpace, KnowsOnlyTheRoomAtVisitedPlaces) {
+  FreeSpaceOptions options = Vouched(5, 3);
+  options.visited_margin_m = 1;
+  const FlownPlaces flown{{}, {{-10, -10, 8}, {10, -10, 8}, {10, 10, 8}, {-10, 10, 8}}};
+  const FreeSpace space(SurfaceOf(kBlockOnGround), {}, flown, options);
+  EXPECT_TRUE(space.IsKnownFree({10, 10, 8}, 1));
+  EXPECT_TRUE(space.IsKnownFree({10.4, 10, 8}, 0.5));
+  EXPECT_FALSE(space.IsKnownFree({10.6, 10, 8}, 0.5));
+  EXPECT_FALSE(space.IsKnownFree({10, 0, 8}, 0));  // between two of them
+  EXPECT_FALSE(space.IsKnownFree({0, 0, 8}, 0));
+}
+
+// What is taken for free without having been seen is decided by the vouched flight alone.
+TEST(FreeSpace, DoesNotGrowByVisitedPlacesBeyondTheirOwnRoom) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> place(-30, 30), height(1, 12), radius(0, 1);
+  const auto any = [&] { return Eigen::Vector3d(place(random), place(random), height(random)); };
+  FreeSpaceOptions options = Vouched(5, 4);
+  options.visited_margin_m = 1;
+  int vouched = 0, visited = 0;
+  for (int world = 0; world < 20; ++world) {
+    FlownPlaces flown;
+    for (int i = 0; i < 6; ++i) flown.vouched.push_back(0.5 * any());
+    const FreeSpace before(SurfaceOf(kBlockOnGround), {}, flown, options);
+    for (int i = 0; i < 30; ++i) flown.visited.push_back(any());
+    const FreeSpace after(SurfaceOf(kBlockOnGround), {}, flown, options);
+    for (int i = 0; i < 500; ++i) {
+      const double r = radius(random);
+      const Eigen::Vector3d near = flown.visited[static_cast<std::size_t>(i) % 30];
+      const Eigen::Vector3d center = i % 2 == 0 ? any() : Eigen::Vector3d(near + 0.02 * any());
+      const bool is_at_visited =
+          std::any_of(flown.visited.begin(), flown.visited.end(),
+                      [&](const Eigen::Vector3d& p) { return (p - center).norm() + r <= 1; });
+      ASSERT_EQ(after.IsKnownFree(center, r), before.IsKnownFree(center, r) || is_at_visited);
+      vouched += before.IsKnownFree(center, r) ? 1 : 0;
+      visited += is_at_visited ? 1 : 0;
+    }
+  }
+  EXPECT_GT(vouched, 500);
+  EXPECT_GT(visited, 500);
 }
 
 TEST(FreeSpace, KnowsWhatAPhotoSawPast) {
@@ -100,7 +146,7 @@ TEST(SetFreeVolume, NamesWhatThePilotVouchesFor) {
   const auto files = SetFreeVolume("10,10,9,0,0,3; yard.geojson", &options);
   ASSERT_EQ(files.size(), 1u);
   EXPECT_EQ(options.flown_margin_m, 0);
-  const FreeSpace space(SurfaceOf(kBlockOnGround), {}, {{0, -50, 8}}, options);
+  const FreeSpace space(SurfaceOf(kBlockOnGround), {}, {{{0, -50, 8}}, {}}, options);
   EXPECT_TRUE(space.IsKnownFree({5, 5, 6}, 2.9));
   EXPECT_FALSE(space.IsKnownFree({5, 5, 6}, 3.1));
   EXPECT_FALSE(space.IsKnownFree({0, -50, 8}, 0.1));

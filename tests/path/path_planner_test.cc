@@ -4,8 +4,11 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <filesystem>
 #include <random>
+#include <set>
 
+#include "colmap_ext/scene/image_list.h"
 #include "colmap_ext/util/error.h"
 #include "path/box_world.h"
 
@@ -100,6 +103,66 @@ TEST(PlanPath, KeepsOutOfUnknownSpace) {
   for (const Waypoint& waypoint : path.waypoints) EXPECT_LT(waypoint.position.y(), 5);
   options.unknown = "free";
   EXPECT_TRUE(PlanPath({-20, -20, 6}, views, mesh, photos, options, {}).dropped_view_ids.empty());
+}
+
+// Two rows of photos that see nothing. Between and around those that a person vouches for the
+// vehicle may fly; around its own it may not, but for where it was.
+TEST(PlanPath, FliesUnseenSpaceOnlyAroundVouchedPhotos) {
+  std::vector<PosedPhoto> photos;
+  PathOptions options = Everywhere();
+  options.unknown = "occupied";
+  options.free_volume = "flown";
+  options.flown_margin_m = 4;
+  options.position_error_m = 0.3;
+  options.vouched_photos.emplace();
+  for (double x = -20; x <= 20; x += 4) {
+    photos.push_back(PhotoAt({x, -20, 6}, 180, 30));
+    photos.back().name = "person" + std::to_string(photos.size());
+    options.vouched_photos->insert(photos.back().name);
+  }
+  for (double x = -20; x <= 20; x += 4) {
+    photos.push_back(PhotoAt({x, -30, 6}, 180, 30));
+    photos.back().name = "planned" + std::to_string(photos.size());
+  }
+  const Eigen::Vector3d start(-20, -20, 6);
+  const std::vector<PlannedView> views = {ViewAt(0, 18, -21, 7), ViewAt(1, 0, -26, 6),
+                                          ViewAt(2, 2, -31, 6)};
+  const FlightPath path = PlanPath(start, views, MeshOf(kBlock), photos, options, {});
+  EXPECT_EQ(path.dropped_view_ids, (std::vector<int>{1, 2}));
+  const FreeSpace space = KnownSpace(SurfaceOf(kBlock), photos, start, options);
+  EXPECT_TRUE(space.IsKnownFree({4, -30, 6}, 2 * options.position_error_m));
+  EXPECT_FALSE(space.IsKnownFree({4, -30, 6}, 2 * options.position_error_m + 0.1));
+  options.vouched_photos.reset();  // a person flew both
+  EXPECT_TRUE(PlanPath(start, views, MeshOf(kBlock), photos, options, {}).dropped_view_ids.empty());
+}
+
+TEST(KnownSpace, DoesNotTakeTheStartForVouched) {
+  PathOptions options = Everywhere();
+  options.unknown = "occupied";
+  options.free_volume = "flown";
+  options.position_error_m = 0.5;
+  const FreeSpace space = KnownSpace(SurfaceOf(kBlock), {}, {-20, 0, 5}, options);
+  EXPECT_TRUE(space.IsKnownFree({-20, 0, 5}, options.position_error_m));
+  EXPECT_FALSE(space.IsKnownFree({-22, 0, 5}, 0));
+}
+
+TEST(ReadVouchedPhotos, TakesTheListBeforeTheSessionsFirstFlight) {
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / "vouched_photos_test";
+  std::filesystem::create_directories(folder);
+  WriteImageList({"a.jpg", "b.jpg"}, Workspace(folder).first_flight_txt());
+  WriteImageList({"c.jpg"}, folder / "mine.txt");
+  PathOptions options;
+  ReadVouchedPhotos("", &options);
+  EXPECT_FALSE(options.vouched_photos.has_value());
+  ReadVouchedPhotos(folder, &options);
+  EXPECT_EQ(options.vouched_photos, (std::set<std::string>{"a.jpg", "b.jpg"}));
+  options.vouched_image_list_path = folder / "mine.txt";
+  ReadVouchedPhotos(folder, &options);
+  EXPECT_EQ(options.vouched_photos, std::set<std::string>{"c.jpg"});
+  options.vouched_image_list_path = folder / "none.txt";
+  EXPECT_THROW(ReadVouchedPhotos(folder, &options), Error);
+  std::filesystem::remove_all(folder);
 }
 
 TEST(PlanPath, KeepsItsPromiseInRandomWorlds) {

@@ -15,14 +15,16 @@
 namespace colmap_ext {
 
 // The pilot vouches for `flown_margin_m`, `above_top_m` and `zones`; what photos have looked
-// through is measured.
+// through, and where the vehicle was, is measured.
 struct FreeSpaceOptions {
   // Metres, >= 0. All that is higher than the highest point of the surface by this is known free.
   // Negative: nothing is known about heights.
   double above_top_m = 5;
-  // Metres, >= 0. All that is nearer than this to the convex hull of the flown positions is known
-  // free. 0: nothing is known from where the vehicle was.
+  // Metres, >= 0. All that is nearer than this to the convex hull of the vouched places is known
+  // free. 0: nothing is known from them.
   double flown_margin_m = 5;
+  // Metres, >= 0. The same around each single visited place, without any hull.
+  double visited_margin_m = 1;
   // World, metres: known free.
   std::vector<FlightZone> zones;
   // Rays free what lies before confident surface: where the points that support it (its
@@ -32,8 +34,16 @@ struct FreeSpaceOptions {
   std::string Check() const;
 };
 
-// Parses a list of volumes that are known free, separated by ';': "flown" (the hull of the flown
-// positions), "above_top", "none" (only what was seen), boxes "x,y,z,x,y,z" (two opposite corners;
+// Where the vehicle has been. World, metres.
+struct FlownPlaces {
+  // Of flights that a person planned and vouches for as a whole.
+  std::vector<Eigen::Vector3d> vouched;
+  // Of all others, such as flights planned here: what lies between and around them proves nothing.
+  std::vector<Eigen::Vector3d> visited;
+};
+
+// Parses a list of volumes that are known free, separated by ';': "flown" (the hull of the vouched
+// places), "above_top", "none" (only what was seen), boxes "x,y,z,x,y,z" (two opposite corners;
 // world, metres) and files of zones (ReadFlightLimits; their names end in "json"). "flown" and
 // "above_top" are taken out of `options` where they are not named, boxes are added; files are
 // checked by name only, and returned. Throws UsageError naming what is wrong.
@@ -44,18 +54,19 @@ std::vector<std::filesystem::path> SetFreeVolume(const std::string& text,
 class FreeSpace {
  public:
   // `surface`: world; without sample_spacing_m all of it is confident. `photos`: their pixels are
-  // not needed; each sees the surface by an image of 96 x 54 pixels. `flown`: more places where the
-  // vehicle has been (its present one).
-  FreeSpace(const Surface& surface, const std::vector<PosedPhoto>& photos,
-            const std::vector<Eigen::Vector3d>& flown, const FreeSpaceOptions& options);
+  // not needed; each sees the surface by an image of 96 x 54 pixels. That it was flown is only told
+  // by `flown`.
+  FreeSpace(const Surface& surface, const std::vector<PosedPhoto>& photos, const FlownPlaces& flown,
+            const FreeSpaceOptions& options);
   ~FreeSpace();
   FreeSpace(FreeSpace&&) noexcept;
   FreeSpace& operator=(FreeSpace&&) noexcept;
 
   // Whether the whole ball is known to be free, by one of:
   // - it lies above the highest reconstructed point by above_top_m, or in one of `zones`;
-  // - it lies within flown_margin_m of the convex hull of photo positions and `flown` (the ball
-  //   around each is replaced by a polyhedron of 26 corners inside it, so a little less);
+  // - it lies within flown_margin_m of the convex hull of the vouched places (the ball around each
+  //   is replaced by a polyhedron of 26 corners inside it, so a little less);
+  // - it lies within visited_margin_m of a visited place;
   // - some photo has seen past it: in all of the photo's pixels that the ball touches, the nearest
   //   surface is behind the ball (a pixel counts with all of its rays, so that no thin pole is
   //   missed), with confident surface at their corners. Rays that meet no surface prove nothing.

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -41,9 +43,12 @@ struct PathOptions {
   std::string free_volume = "flown;above_top";
   // GeoJSON of geofence and no-fly zones (ReadFlightLimits); empty: none.
   std::filesystem::path limits_path;
-  // See FreeSpaceOptions, metres, >= 0. The first flight is vouched to keep the safe distance from
-  // everything. Less than the next best views' max_distance_to_existing_m makes the loop slow.
+  // See FreeSpaceOptions, metres, >= 0. The vouched flight is vouched to keep the safe distance
+  // from everything. Less than the next best views' max_distance_to_existing_m makes the loop slow.
   double flown_margin_m = 5;
+  // Names of the photos (one a line, as COLMAP's image lists) of flights that a person planned and
+  // vouches for: see vouched_photos. Empty: those of a session's first iteration, else all.
+  std::filesystem::path vouched_image_list_path;
   // See FreeSpaceOptions, metres, >= 0; 0: all of the surface is confident. After a first flight
   // 99 % of the church's surface is denser than 0.85 m; what is sparser is guessed.
   double confident_spacing_m = 1;
@@ -76,6 +81,10 @@ struct PathOptions {
   // command line.
   FlightLimits limits;
   std::vector<FlightZone> free_zones;
+  // Only around these photos does flown_margin_m count; where others were taken there is room for
+  // the vehicle to hold its place (2 position_error_m) and what they saw, no more: so what is taken
+  // for free does not grow by our own flights. Absent: all photos. Not bound to the command line.
+  std::optional<std::set<std::string>> vouched_photos;
 
   std::string Check() const;
 };
@@ -92,8 +101,14 @@ void RequireMetric(const WorldFrame& frame);
 // Reads the files that limits_path and free_volume name. Throws as ReadFlightLimits.
 void ReadZones(const WorldFrame& frame, PathOptions* options);
 
+// Sets vouched_photos from vouched_image_list_path, or, when that is empty, to the first flight's
+// of the session in `workspace` (empty: all photos are vouched for). Throws as ReadImageList and
+// FirstFlightPhotos.
+void ReadVouchedPhotos(const std::filesystem::path& workspace, PathOptions* options);
+
 // What PlanPath knows to be free around `surface` (world). `photos`: all registered ones, without
-// pixels; where they were and what they saw is free. Throws UsageError for bad options.
+// pixels; what they saw is free, and where they were, as options.vouched_photos says. `start` is a
+// place that was visited. Throws UsageError for bad options.
 FreeSpace KnownSpace(const Surface& surface, const std::vector<PosedPhoto>& photos,
                      const Eigen::Vector3d& start, const PathOptions& options);
 

@@ -15,6 +15,8 @@ class Workspace {
   std::filesystem::path state_json() const { return root_ / "state.json"; }
   std::filesystem::path summary_json() const { return root_ / "summary.json"; }
   std::filesystem::path database() const { return root_ / "database.db"; }
+  // Names of the photos that the pilot vouches for: see FirstFlightPhotos (image_list.h).
+  std::filesystem::path first_flight_txt() const { return root_ / "first_flight.txt"; }
   std::filesystem::path images() const { return root_ / "images"; }
   std::filesystem::path images_full() const { return root_ / "images_full"; }
   std::filesystem::path report() const { return root_ / "report"; }

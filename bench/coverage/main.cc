@@ -12,6 +12,7 @@
 #include "judged.h"
 #include "measures.h"
 #include "pictures.h"
+#include "points_table.h"
 #include "support/bench_report.h"
 #include "support/flown_site.h"
 #include "timing.h"
@@ -27,6 +28,7 @@ struct BenchOptions {
   CoverageOptions coverage;
   std::filesystem::path results = "bench/results";
   std::filesystem::path pictures;
+  std::filesystem::path points;
   std::string scenes = "church,boxes,gate";
   std::string flights = "poor,middling,good";
   double bad_mm = 50.8;  // 2 inches, the paper's threshold
@@ -125,6 +127,9 @@ void RunScene(const std::string& scene, const BenchOptions& options, const JobCo
       PaintVerdicts(judged, models.surface, 0.001 * options.bad_mm,
                     options.pictures / (scene + "_" + quality));
     }
+    if (!options.points.empty()) {
+      WritePointsTable(judged, options.points / (scene + "_" + quality + ".csv"));
+    }
     flights->push_back(std::move(judged));
   }
   ReportColumns(scene, of_scene, true, report);
@@ -173,6 +178,7 @@ void AddOptions(BenchOptions* options, OptionSet* set) {
   set->Add("", "true_poses", &options->site.true_poses, "1: true poses; 0: of sparse_updater");
   set->Add("", "results", &options->results, "folder for coverage.json");
   set->Add("", "pictures", &options->pictures, "folder for pictures of the verdicts; empty: none");
+  set->Add("", "points", &options->points, "folder for the judged points as CSV; empty: none");
   set->Add("", "scenes", &options->scenes, "of church, boxes, gate");
   set->Add("", "flights", &options->flights, "of poor, middling, good");
   set->Add(

@@ -102,6 +102,24 @@ void CompleteOptions(const SessionInputs& inputs, CaptureOptions* capture, Optio
   ApplyPreset(preset, *set, options);
 }
 
+// What a person who flies by hand does next; empty for all others.
+std::string NextSteps(const SessionInputs& inputs, const StageOptions& options,
+                      const SessionSummary& summary) {
+  const std::string& vehicle = options.session.vehicle;
+  const bool by_hand = !inputs.IsSimulation() && (vehicle == "simulated" || vehicle == "embedded");
+  if (!by_hand || !summary.finished.empty() || summary.iterations.empty()) return "";
+  const Workspace workspace(inputs.workspace_path);
+  const IterationFiles files{workspace.iteration(static_cast<int>(summary.iterations.size()) - 1)};
+  if (!std::filesystem::exists(files.mission_plan())) return "";
+  return "Next: look at " + (workspace.report() / "index.html").string() + ", fly " +
+         files.mission_plan().string() + ", put the new photos\ninto " +
+         inputs.image_path.string() +
+         " and run the same command again. The plan counts heights from the lowest ground of\n"
+         "the site; when the take-off place is at another height, export it by mission_exporter "
+         "with\n"
+         "--Mission.home_below_origin_m.\n";
+}
+
 int RunWithPage(SessionInputs inputs, const StageOptions& options, const CaptureOptions& capture,
                 const std::string& session_ini, bool serves, Program* program) {
   const Workspace workspace(inputs.workspace_path);
@@ -118,7 +136,7 @@ int RunWithPage(SessionInputs inputs, const StageOptions& options, const Capture
   inputs.confirm = [&job](const std::string& checklist) { return AskYes(checklist, job); };
   SessionEvents events(workspace, capture.hooks, &program->log, job);
   const SessionSummary summary = RunSession(inputs, options, job, &events);
-  std::cout << '\n' << SummaryTable(summary) << std::flush;
+  std::cout << '\n' << SummaryTable(summary) << NextSteps(inputs, options, summary) << std::flush;
   program->log.Result(SummaryToJson(summary));
   events.OnFinish(summary);
   lock.reset();

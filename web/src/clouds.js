@@ -86,6 +86,7 @@ void main() {
   int k = int(kind + 0.5);
   bool visible = k == 0 ? shown.x : (k == 1 ? shown.y : shown.z);
   if (mode < 0.5) vColor = classColors[k];
+  else if (k == 2) vColor = unknownColor; // nobody asks for it
   else if (mode < 1.5) vColor = error < 0.0 ? unknownColor : ramp((log(error) - low) / (high - low));
   else vColor = ramp(((mode < 2.5 ? views : score) - low) / (high - low));
   vRadius = radius;

@@ -158,7 +158,7 @@ function errorLegend(coverage) {
     ...ramp(
       rampOf('error'),
       [tick(0), tick(0.5), `${tick(1)} mm`],
-      'predicted error · bright: small · grey: unknown',
+      'predicted error · bright: small · grey: unknown or not asked for',
     ),
   ];
 }
@@ -166,7 +166,11 @@ function errorLegend(coverage) {
 function scoreLegend(coverage) {
   return [
     histogram(coverage, (i) => Math.floor((24 * coverage.score[i]) / 256), 24),
-    ...ramp(rampOf('score'), ['0', '50 %', '100 %'], 'how sure it is that the model will be good'),
+    ...ramp(
+      rampOf('score'),
+      ['0', '50 %', '100 %'],
+      'how sure it is that the model will be good · grey: not asked for',
+    ),
   ];
 }
 
@@ -176,7 +180,7 @@ function viewsLegend(coverage) {
     ...ramp(
       rampOf('views'),
       ['0', String(maxViewsShown / 2), `${maxViewsShown} or more`],
-      'photos that see it well',
+      'photos that see it well · grey: not asked for',
     ),
   ];
 }

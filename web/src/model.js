@@ -20,6 +20,7 @@ function photoOf(raw, cameras, origin) {
 }
 
 const strides = 64;
+const unpainted = 128; // grey, to be seen on light and dark
 
 // Every prefix of the result is an even sample of the whole: what a slow machine draws while the
 // view moves.
@@ -39,6 +40,7 @@ async function decodeCloud(raw, shift) {
       }
     }
   }
+  if (!color.some((v) => v > 0)) color.fill(unpainted); // nobody took them from the photos
   return { position, color };
 }
 

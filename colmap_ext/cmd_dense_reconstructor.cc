@@ -20,6 +20,7 @@
 #include "colmap_ext/util/statistics.h"
 #include "command_line.h"
 #include "commands.h"
+#include "job_options.h"
 #include "workspace_inputs.h"
 
 namespace colmap_ext {
@@ -31,6 +32,7 @@ struct DenseReconstructorOptions {
   fs::path workspace, input, images, output, prior, colmap;
   std::string backend = "auto";
   bool adjust = false, mesh = true;
+  JobOptions jobs;
   DenseStereoOptions stereo;
   SurfaceOptions surface;
   RegionOptions region;
@@ -56,6 +58,7 @@ void AddOptions(DenseReconstructorOptions* o, OptionSet* set) {
   set->Add("", "adjust", &o->adjust,
            "first refine the poses by a short bundle adjustment, intrinsics kept (0 or 1)");
   set->Add("", "mesh", &o->mesh, "make surface.ply, a Poisson mesh with vertex colours (0 or 1)");
+  BindOptions(*set, &o->jobs);
   BindOptions(*set, &o->stereo);
   BindOptions(*set, &o->surface);
   BindOptions(*set, &o->region);
@@ -145,6 +148,18 @@ void RequireRoom(const PhotoSource& photos, const fs::path& output) {
   if (!complaint.empty()) throw Error(complaint);
 }
 
+// Other back ends split their work themselves, and processes that adjust poses each for themselves
+// may not get the same ones.
+void RequireSharable(const DenseBackEnd& back_end, const DenseReconstructorOptions& o) {
+  if (back_end.Name() != "builtin") {
+    throw UsageError("--jobs " + o.jobs.jobs + " goes with --backend builtin, not with " +
+                     back_end.Name());
+  }
+  if (o.adjust) {
+    throw UsageError("--adjust goes with --jobs local only; adjust the model first");
+  }
+}
+
 }  // namespace
 
 int RunDenseReconstructor(const Arguments& arguments, Program& program) {
@@ -155,6 +170,7 @@ int RunDenseReconstructor(const Arguments& arguments, Program& program) {
                    "made from. A run that was stopped goes on when it is started again.");
   AddOptions(&o, &line.options());
   if (!line.Parse(arguments, &program.log)) return 0;
+  const JobRank rank = RankOf(o.jobs);
   ThrowIfInvalid(o.stereo.Check());
   ThrowIfInvalid(o.surface.Check());
   ThrowIfInvalid(o.region.Check());
@@ -167,6 +183,7 @@ int RunDenseReconstructor(const Arguments& arguments, Program& program) {
   back_ends.push_back(MakeOpenMvsBackEnd());
   back_ends.push_back(MakeBuiltinBackEnd(o.stereo));
   DenseBackEnd& back_end = ChooseBackEnd(o.backend, back_ends);
+  if (rank.IsShared()) RequireSharable(back_end, o);
 
   const StageTimer timer;
   Reconstruction model = ReadReconstruction(o.input);
@@ -181,8 +198,10 @@ int RunDenseReconstructor(const Arguments& arguments, Program& program) {
   const RegionOfInterest region = DefaultRegion(photos.photo_set(), frame, o.region);
   job.Info("back end " + back_end.Name() + ", " + std::to_string(photos.photo_set().photos.size()) +
            " photos");
-  DenseRequest request{&photos, o.output, o.prior, Grown(region.box, o.surface.crop_margin_ratio)};
+  DenseRequest request{&photos, o.output, o.prior, Grown(region.box, o.surface.crop_margin_ratio),
+                       rank};
   const OrientedPoints points = back_end.Reconstruct(request, job);
+  if (!rank.IsFirst()) return 0;
   WriteOrientedPoints(points, o.output / "fused.ply");
   job.Info(std::to_string(points.size()) + " points: " + (o.output / "fused.ply").string());
   if (o.mesh) WriteSurfaceOf(points, region, o, job);

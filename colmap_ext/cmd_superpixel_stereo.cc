@@ -2,6 +2,7 @@
 
 #include <iostream>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 
 #include "colmap_ext/mvs/confidence.h"
 #include "colmap_ext/mvs/depth_map.h"
@@ -21,6 +22,7 @@
 #include "colmap_ext/util/files.h"
 #include "command_line.h"
 #include "commands.h"
+#include "job_options.h"
 
 namespace colmap_ext {
 namespace {
@@ -163,6 +165,7 @@ int RunSuperpixelStereo(const Arguments& arguments, Program& program) {
   SuperpixelOptions superpixel_options;
   SuperpixelStereoOptions stereo_options;
   PointSamplerOptions point_options;
+  JobOptions job_options;
   line.options().Add("", "workspace_path", &paths.workspace,
                      "session: works on its latest iteration");
   line.options().Add("", "input_path", &paths.sparse, "sparse model");
@@ -175,11 +178,14 @@ int RunSuperpixelStereo(const Arguments& arguments, Program& program) {
       "", "pictures", &pictures,
       "also write pictures of depth, normals, confidence and its cues, fused mesh and points, "
       "and the cues as maps");
+  BindOptions(line.options(), &job_options);
   BindOptions(line.options(), &superpixel_options);
   BindOptions(line.options(), &stereo_options);
   BindOptions(line.options(), &point_options);
   if (!line.Parse(arguments, &program.log)) return 0;
   if (max_width_px < 64) throw UsageError("--max_width_px must be at least 64");
+  const JobRank rank = RankOf(job_options);
+  if (rank.IsShared() && pictures) throw UsageError("--pictures goes with --jobs local only");
   ThrowIfInvalid(superpixel_options.Check());
   ThrowIfInvalid(stereo_options.Check());
   ThrowIfInvalid(point_options.Check());
@@ -192,14 +198,21 @@ int RunSuperpixelStereo(const Arguments& arguments, Program& program) {
   const Reconstruction model = ReadReconstruction(paths.sparse);
   PhotoSet photos = LoadPhotoSet(model, paths.images.string(), true);
   DownscalePhotos(max_width_px, &photos);
+  const IterationFiles files{paths.output};
+  std::optional<PhotoExchange> exchange;
+  if (rank.IsShared()) {
+    exchange.emplace(photos, superpixel_options, stereo_options, paths.output / "jobs", rank);
+  }
   const SuperpixelStereoResult result =
-      RunSuperpixelStereo(photos, superpixel_options, stereo_options, job);
-  const OrientedPoints points = SamplePoints(photos, result.views, point_options);
+      exchange ? ShareSuperpixelStereo(photos, superpixel_options, stereo_options, job, &*exchange)
+               : RunSuperpixelStereo(photos, superpixel_options, stereo_options, job);
   job.ThrowIfCancelled();
 
-  const IterationFiles files{paths.output};
-  WriteViewMeshes(photos, result.views, point_options.min_confidence, files.meshes());
-  WriteDenseWorkspace(photos, model, result.views, result.neighbors, 0.0, files.dense());
+  WriteViewMeshes(photos, result.views, point_options.min_confidence, files.meshes(), rank);
+  WriteDenseWorkspace(photos, model, result.views, result.neighbors, 0.0, files.dense(), rank);
+  if (exchange) exchange->Finish(job);
+  if (!rank.IsFirst()) return 0;
+  const OrientedPoints points = SamplePoints(photos, result.views, point_options);
   WriteOrientedPoints(points, files.fused_ply());
   WriteFusedMesh(result.views, point_options.min_confidence, paths.output / "fused_mesh.ply");
   if (pictures) {

@@ -13,6 +13,7 @@
 #include "colmap_ext/dense/depth_fusion.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
+#include "dense/point_dump.h"
 #include "dense/remaining_time.h"
 
 namespace colmap_ext {
@@ -96,7 +97,7 @@ class Builtin {
     Pass(
         "depth maps", [&](std::size_t i) { return RawPath(i); },
         [&](std::size_t i) { Estimate(i); });
-    PrepareDenseWorkspace(photos_, partners_, workspace_, job_);
+    PrepareDenseWorkspace(photos_, partners_, workspace_, request_.rank, job_);
     Pass(
         "consistency", [&](std::size_t i) { return workspace_.depth_map(posed_[i].name); },
         [&](std::size_t i) { Filter(i); });
@@ -126,18 +127,19 @@ class Builtin {
 
   void CheckStamp() const {
     const fs::path path = Folder() / "inputs.txt";
-    const std::string stamp = Stamp(photos_, partners_, ranges_, options_);
-    if (fs::exists(path) && ReadFile(path) == stamp) return;
-    if (fs::exists(path)) {
-      job_.Info("photos, poses or options are not those of the maps in " +
-                request_.workspace_path.string() + "; starting again");
-    }
-    for (const char* name : {"depth_maps", "normal_maps", "confidence_maps"}) {
-      fs::remove_all(workspace_.stereo() / name);
-    }
-    fs::remove_all(workspace_.images());
-    fs::remove_all(Folder());
-    WriteFileAtomically(path, stamp);
+    const auto start_again = [&] {
+      if (fs::exists(path)) {
+        job_.Info("photos, poses or options are not those of the maps in " +
+                  request_.workspace_path.string() + "; starting again");
+      }
+      for (const char* name : {"depth_maps", "normal_maps", "confidence_maps"}) {
+        fs::remove_all(workspace_.stereo() / name);
+      }
+      fs::remove_all(workspace_.images());
+      fs::remove_all(Folder());
+    };
+    AgreeOnStamp(path, Stamp(photos_, partners_, ranges_, options_), start_again, request_.rank,
+                 job_);
   }
 
   // Threads that the memory allows.
@@ -153,16 +155,29 @@ class Builtin {
     return photos;
   }
 
-  // Makes the files that are missing.
+  // Makes the files that are missing, and waits for those of the other processes unless only the
+  // first one needs them.
   template <typename PathOf, typename Make>
-  void Pass(const std::string& name, const PathOf& path_of, const Make& make) const {
+  void Pass(const std::string& name, const PathOf& path_of, const Make& make,
+            bool only_first_needs_all = false) const {
     std::vector<std::size_t> missing;
+    std::vector<fs::path> paths;
     std::size_t wanted = 0;
     for (std::size_t i = 0; i < posed_.size(); ++i) {
       if (!HasDepth(i)) continue;
+      paths.push_back(path_of(i));
+      if (!request_.rank.IsMine(i)) continue;
       ++wanted;
-      if (!fs::exists(path_of(i))) missing.push_back(i);
+      if (!fs::exists(paths.back())) missing.push_back(i);
     }
+    MakeMissing(name, missing, wanted, make);
+    const bool waits = request_.rank.IsFirst() || !only_first_needs_all;
+    if (request_.rank.IsShared() && waits) WaitForFiles(paths, request_.rank, job_);
+  }
+
+  template <typename Make>
+  void MakeMissing(const std::string& name, const std::vector<std::size_t>& missing,
+                   std::size_t wanted, const Make& make) const {
     if (missing.empty()) return;
     const std::size_t there = wanted - missing.size();
     if (there > 0) {
@@ -261,6 +276,7 @@ class Builtin {
   }
 
   OrientedPoints Fuse() const {
+    if (request_.rank.IsShared()) return FuseTogether();
     std::vector<OrientedPoints> parts(posed_.size());
     RemainingTime progress("fusion", 0, posed_.size(), job_);
     tbb::task_arena arena(Concurrency());
@@ -277,6 +293,26 @@ class Builtin {
       points.insert(points.end(), part.begin(), part.end());
       OrientedPoints().swap(part);
     }
+    return points;
+  }
+
+  // Points of a photo in a file each; the first process puts them together.
+  OrientedPoints FuseTogether() const {
+    const fs::path folder = Folder() / "fused";
+    std::ostringstream stamp;
+    stamp << std::hexfloat << options_.fusion_step_px << ' ' << request_.region.min().transpose()
+          << ' ' << request_.region.max().transpose() << '\n';
+    AgreeOnStamp(
+        folder / "inputs.txt", stamp.str(), [&] { fs::remove_all(folder); }, request_.rank, job_);
+    const auto path_of = [&](std::size_t i) { return folder / (posed_[i].name + ".bin"); };
+    Pass(
+        "fusion", path_of, [&](std::size_t i) { WritePointDump(FuseOne(i), path_of(i)); }, true);
+    OrientedPoints points;
+    if (!request_.rank.IsFirst()) return points;
+    for (std::size_t i = 0; i < posed_.size(); ++i) {
+      if (HasDepth(i)) AppendPointDump(path_of(i), &points);
+    }
+    fs::remove_all(folder);
     return points;
   }
 
@@ -315,7 +351,8 @@ OrientedPoints ReconstructBuiltin(const DenseRequest& request, const DenseStereo
                                   const JobControl& job) {
   ThrowIfInvalid(options.Check());
   OrientedPoints points = Builtin(request, options, job).Run();
-  CheckCloud(points, request.photos->photo_set(), "the built-in stereo");
+  if (request.rank.IsFirst())
+    CheckCloud(points, request.photos->photo_set(), "the built-in stereo");
   return points;
 }
 

@@ -40,7 +40,7 @@ class ColmapBackEnd : public DenseBackEnd {
   OrientedPoints Reconstruct(const DenseRequest& request, const JobControl& job) override {
     const DenseWorkspace workspace{request.workspace_path};
     const PhotoSet& photos = request.photos->photo_set();
-    PrepareDenseWorkspace(*request.photos, {}, workspace, job);
+    PrepareDenseWorkspace(*request.photos, {}, workspace, {}, job);
     RequireWritableFolder(workspace.logs(), "log folder");
     const std::string folder = workspace.folder.string();
     job.Info("colmap patch_match_stereo (maps that are there are kept)");

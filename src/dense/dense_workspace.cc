@@ -50,16 +50,18 @@ fs::path DenseWorkspace::confidence_map(const std::string& name) const {
 }
 
 void PrepareDenseWorkspace(const PhotoSource& photos, const std::vector<std::vector<int>>& partners,
-                           const DenseWorkspace& workspace, const JobControl& job) {
+                           const DenseWorkspace& workspace, const JobRank& rank,
+                           const JobControl& job) {
   const std::vector<PosedPhoto>& posed = photos.photo_set().photos;
   std::atomic<std::size_t> done = 0;
   tbb::parallel_for(std::size_t{0}, posed.size(), [&](std::size_t i) {
-    if (job.IsCancelled()) return;
+    if (job.IsCancelled() || !rank.IsMine(i)) return;
     const fs::path path = workspace.images() / posed[i].name;
     if (!fs::exists(path)) WritePhoto(photos.Load(i), path, kJpegQuality);
     job.Progress("undistorting", ++done, posed.size());
   });
   job.ThrowIfCancelled();
+  if (!rank.IsFirst()) return;
   WriteReconstructionBinary(photos.PinholeModel(), workspace.sparse());
   std::ostringstream names;
   for (const PosedPhoto& photo : posed) names << photo.name << '\n';

@@ -28,7 +28,7 @@ class OpenMvsBackEnd : public DenseBackEnd {
 
   OrientedPoints Reconstruct(const DenseRequest& request, const JobControl& job) override {
     const DenseWorkspace workspace{request.workspace_path};
-    PrepareDenseWorkspace(*request.photos, {}, workspace, job);
+    PrepareDenseWorkspace(*request.photos, {}, workspace, {}, job);
     const fs::path folder = workspace.folder / "openmvs";
     RequireWritableFolder(folder, "OpenMVS' folder");
     const fs::path scene = folder / "scene.mvs";

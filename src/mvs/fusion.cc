@@ -173,6 +173,23 @@ std::vector<DepthRow> CollectFusionRows(const std::vector<ViewMesh>& views,
   return rows;
 }
 
+FacetDepths FuseView(const LinearStereo& solver, const std::vector<ViewMesh>& views,
+                     const std::vector<ViewLookup>& lookups,
+                     const std::vector<int>& neighbors_of_view,
+                     const std::vector<DepthRow>& extra_rows, int view,
+                     const SuperpixelStereoOptions& options) {
+  const ViewMesh& mesh = views[static_cast<std::size_t>(view)];
+  std::vector<DepthRow> rows = CollectFusionRows(views, lookups, neighbors_of_view, view, options);
+  rows.insert(rows.end(), extra_rows.begin(), extra_rows.end());
+  std::vector<std::uint8_t> fixed;
+  for (std::size_t t = 0; t < mesh.image.triangles.size(); ++t) {
+    fixed.push_back(IsFree(mesh, t, options) ? 0 : 1);
+  }
+  FacetDepths refined{mesh.inverse_depth, mesh.supported};
+  solver.Refine(fixed, rows, &refined.inverse_depth, &refined.supported);
+  return refined;
+}
+
 double FuseViews(const std::vector<LinearStereo>& solvers,
                  const std::vector<std::vector<int>>& neighbors,
                  const std::vector<std::vector<DepthRow>>& extra_rows,
@@ -184,19 +201,9 @@ double FuseViews(const std::vector<LinearStereo>& solvers,
   tbb::parallel_for(std::size_t{0}, views->size(), [&](std::size_t i) {
     job.ThrowIfCancelled();
     const ViewMesh& view = (*views)[i];
-    if (known[i] != nullptr) {
-      refined[i] = *known[i];
-    } else {
-      std::vector<DepthRow> rows =
-          CollectFusionRows(*views, *lookups, neighbors[i], static_cast<int>(i), options);
-      rows.insert(rows.end(), extra_rows[i].begin(), extra_rows[i].end());
-      std::vector<std::uint8_t> fixed;
-      for (std::size_t t = 0; t < view.image.triangles.size(); ++t) {
-        fixed.push_back(IsFree(view, t, options) ? 0 : 1);
-      }
-      refined[i] = {view.inverse_depth, view.supported};
-      solvers[i].Refine(fixed, rows, &refined[i].inverse_depth, &refined[i].supported);
-    }
+    refined[i] = known[i] != nullptr ? *known[i]
+                                     : FuseView(solvers[i], *views, *lookups, neighbors[i],
+                                                extra_rows[i], static_cast<int>(i), options);
     moved_share[i] =
         MovedShare(view.inverse_depth, refined[i].inverse_depth, options.fusion_tolerance);
   });

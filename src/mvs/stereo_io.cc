@@ -131,8 +131,10 @@ ColoredMesh MeshInWorld(const ViewMesh& mesh, double min_confidence) {
 }
 
 void WriteViewMeshes(const PhotoSet& photos, const std::vector<ViewMesh>& views,
-                     double min_confidence, const std::filesystem::path& folder) {
+                     double min_confidence, const std::filesystem::path& folder,
+                     const JobRank& rank) {
   tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
+    if (!rank.IsMine(i)) return;
     ViewMeshPly ply;
     ply.Add(views[i], min_confidence);
     ply.Write(folder / (photos.photos[i].name + ".ply"));
@@ -149,10 +151,10 @@ void WriteFusedMesh(const std::vector<ViewMesh>& views, double min_confidence,
 void WriteDenseWorkspace(const PhotoSet& photos, const Reconstruction& model,
                          const std::vector<ViewMesh>& views,
                          const std::vector<std::vector<int>>& neighbors, double min_confidence,
-                         const std::filesystem::path& folder) {
-  const Reconstruction pinhole = PinholeModel(photos, model);
+                         const std::filesystem::path& folder, const JobRank& rank) {
   const std::filesystem::path stereo = folder / "stereo";
   tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
+    if (!rank.IsMine(i)) return;
     const PosedPhoto& photo = photos.photos[i];
     const ViewMaps maps = RasterizeView(views[i], min_confidence);
     WriteDenseMap(maps.depth, stereo / "depth_maps" / (photo.name + ".geometric.bin"));
@@ -160,7 +162,8 @@ void WriteDenseWorkspace(const PhotoSet& photos, const Reconstruction& model,
     WriteDenseMap(maps.confidence, stereo / "confidence_maps" / (photo.name + ".bin"));
     WritePhoto(photo.bgr, folder / "images" / photo.name);
   });
-  WriteReconstructionBinary(pinhole, folder / "sparse");
+  if (!rank.IsFirst()) return;
+  WriteReconstructionBinary(PinholeModel(photos, model), folder / "sparse");
   WriteFileAtomically(stereo / "patch-match.cfg", PatchMatchConfig(photos, neighbors));
   WriteFileAtomically(stereo / "fusion.cfg", FusionConfig(photos));
 }

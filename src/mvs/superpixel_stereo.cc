@@ -44,12 +44,13 @@ class StereoRun {
  public:
   StereoRun(const PhotoSet& photos, const SuperpixelOptions& superpixel_options,
             const SuperpixelStereoOptions& options, const JobControl& job, bool remembers,
-            StereoMemory* memory)
+            PhotoExchange* exchange, StereoMemory* memory)
       : photos_(photos),
         superpixel_options_(superpixel_options),
         options_(options),
         job_(job),
-        remembers_(remembers) {
+        remembers_(remembers),
+        exchange_(exchange) {
     // Photos that are gone are forgotten.
     std::map<std::string, PhotoMemory> present;
     for (const PosedPhoto& photo : photos.photos) {
@@ -81,11 +82,14 @@ class StereoRun {
 
  private:
   std::size_t count() const { return photos_.photos.size(); }
+  // Not another process's.
+  bool IsMine(std::size_t i) const { return exchange_ == nullptr || exchange_->rank().IsMine(i); }
 
   // Over-segmentation into polygons, split into triangles.
   void Segment() {
     std::atomic<int> reused = 0;
     ForEachPhoto(count(), "superpixels", job_, [&](std::size_t i) {
+      if (!IsMine(i)) return;
       const PosedPhoto& photo = photos_.photos[i];
       PhotoMemory& memory = *memory_[i];
       const std::uint64_t key = PartitionKey(photo, superpixel_options_);
@@ -100,6 +104,22 @@ class StereoRun {
           RasterizeTriangleIds(*memory.partition, photo.camera.width, photo.camera.height);
     });
     result_.reused.partitions = reused;
+    if (exchange_ != nullptr) SharePartitions();
+  }
+
+  void SharePartitions() {
+    std::vector<ImageMesh> partitions(count());
+    for (std::size_t i = 0; i < count(); ++i) {
+      if (IsMine(i)) partitions[i] = *memory_[i]->partition;
+    }
+    exchange_->Share(job_, &partitions);
+    tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t i) {
+      if (IsMine(i)) return;
+      const PinholeCamera& camera = photos_.photos[i].camera;
+      memory_[i]->partition = std::make_shared<ImageMesh>(std::move(partitions[i]));
+      memory_[i]->triangle_at =
+          RasterizeTriangleIds(*memory_[i]->partition, camera.width, camera.height);
+    });
   }
 
   // Initialization: each view alone, without the fusion term.
@@ -111,6 +131,7 @@ class StereoRun {
     std::vector<std::unique_ptr<ViewLookup>> lookups(count());
     std::atomic<int> reused = 0;
     ForEachPhoto(count(), "stereo", job_, [&](std::size_t i) {
+      if (!IsMine(i)) return;
       PhotoMemory& memory = *memory_[i];
       solve_keys_[i] = SolveKey(memory.partition_key, photos_, i, points[i], options_);
       if (memory.solver != nullptr && memory.solve_key == solve_keys_[i]) {
@@ -126,10 +147,31 @@ class StereoRun {
       lookups[i] = std::make_unique<ViewLookup>(result_.views[i], memory.triangle_at);
     });
     result_.reused.solves = reused;
+    if (exchange_ != nullptr) ShareInitialViews(&lookups);
     for (std::size_t i = 0; i < count(); ++i) {
-      solvers_.push_back(*memory_[i]->solver);
+      if (exchange_ == nullptr) solvers_.push_back(*memory_[i]->solver);
       lookups_.push_back(std::move(*lookups[i]));
     }
+  }
+
+  void ShareInitialViews(std::vector<std::unique_ptr<ViewLookup>>* lookups) {
+    std::vector<FacetDepths> depths(count());
+    for (std::size_t i = 0; i < count(); ++i) {
+      if (IsMine(i)) depths[i] = {result_.views[i].inverse_depth, result_.views[i].supported};
+    }
+    exchange_->Share(job_, &depths);
+    tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t i) {
+      if (IsMine(i)) return;
+      ViewMesh& view = result_.views[i];
+      view.photo_index = static_cast<int>(i);
+      view.camera = photos_.photos[i].camera;
+      view.cam_from_world = photos_.photos[i].cam_from_world;
+      view.image = *memory_[i]->partition;
+      view.inverse_depth = std::move(depths[i].inverse_depth);
+      view.supported = std::move(depths[i].supported);
+      view.confidence.assign(view.image.triangles.size(), 0.0F);
+      (*lookups)[i] = std::make_unique<ViewLookup>(view, memory_[i]->triangle_at);
+    });
   }
 
   // What the photos say about the facets, solved with no facet fixed; then confidence anew.
@@ -137,6 +179,7 @@ class StereoRun {
     photometric_ = std::make_unique<PhotometricStage>(photos_, result_.neighbors, options_);
     const std::vector<std::uint64_t> view_keys = ViewKeys();
     ForEachPhoto(count(), "photo-consistency", job_, [&](std::size_t i) {
+      if (!IsMine(i)) return;
       PhotoMemory::PhotometricPass& pass = memory_[i]->photometric;
       const std::uint64_t key = PassKey(view_keys, i, result_.neighbors[i], {});
       if (pass.key == key) return;
@@ -145,11 +188,12 @@ class StereoRun {
       pass.depths = {view.inverse_depth, view.supported};
       if (!pass.rows.empty()) {
         const std::vector<std::uint8_t> none_fixed(view.supported.size(), 0);
-        solvers_[i].Refine(none_fixed, pass.rows, &pass.depths.inverse_depth,
-                           &pass.depths.supported);
+        memory_[i]->solver->Refine(none_fixed, pass.rows, &pass.depths.inverse_depth,
+                                   &pass.depths.supported);
       }
       pass.key = key;
     });
+    if (exchange_ != nullptr) SharePhotometricPasses();
     cues_.resize(count());
     tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t i) {
       const PhotoMemory::PhotometricPass& pass = memory_[i]->photometric;
@@ -162,16 +206,34 @@ class StereoRun {
     WeighConfidence(std::vector<std::vector<std::uint8_t>>(count()));
   }
 
+  void SharePhotometricPasses() {
+    std::vector<FacetDepths> depths(count());
+    for (std::size_t i = 0; i < count(); ++i) depths[i] = memory_[i]->photometric.depths;
+    exchange_->Share(job_, &depths);
+    for (std::size_t i = 0; i < count(); ++i) {
+      memory_[i]->photometric.depths = std::move(depths[i]);
+    }
+  }
+
   // Photo-consistency as the fourth factor of Γ; cues of facets with keep[i][t] != 0 are still
   // those of their planes.
   void WeighConfidence(const std::vector<std::vector<std::uint8_t>>& keep) {
     tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t i) {
+      if (!IsMine(i)) return;
       photometric_->EvaluateCues(result_.views, lookups_, static_cast<int>(i), keep[i], &cues_[i]);
       std::vector<float>& confidence = result_.views[i].confidence;
       for (std::size_t t = 0; t < confidence.size(); ++t) {
         confidence[t] *= static_cast<float>(PhotoConsistency(cues_[i][t], options_));
       }
     });
+    if (exchange_ != nullptr) ShareConfidence();
+  }
+
+  void ShareConfidence() {
+    std::vector<std::vector<float>> confidence(count());
+    for (std::size_t i = 0; i < count(); ++i) confidence[i].swap(result_.views[i].confidence);
+    exchange_->Share(job_, &confidence);
+    for (std::size_t i = 0; i < count(); ++i) confidence[i].swap(result_.views[i].confidence);
   }
 
   // Multi-view depth fusion.
@@ -209,6 +271,8 @@ class StereoRun {
       if (passes[pass].key == pass_keys[i]) known[i] = &passes[pass].depths;
       result_.reused.passes += known[i] != nullptr;
     }
+    const std::vector<FacetDepths> together = FuseTogether(extra_rows);
+    for (std::size_t i = 0; i < together.size(); ++i) known[i] = &together[i];
     const double moving_share = FuseViews(solvers_, result_.neighbors, extra_rows, known, options_,
                                           job_, &lookups_, &result_.views);
     for (std::size_t i = 0; remembers_ && i < count(); ++i) {
@@ -219,14 +283,29 @@ class StereoRun {
     return moving_share;
   }
 
+  // Of several processes: the result of one pass for each photo. Of one: empty.
+  std::vector<FacetDepths> FuseTogether(const std::vector<std::vector<DepthRow>>& extra_rows) {
+    if (exchange_ == nullptr) return {};
+    std::vector<FacetDepths> depths(count());
+    tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t i) {
+      if (!IsMine(i)) return;
+      job_.ThrowIfCancelled();
+      depths[i] = FuseView(*memory_[i]->solver, result_.views, lookups_, result_.neighbors[i],
+                           extra_rows[i], static_cast<int>(i), options_);
+    });
+    exchange_->Share(job_, &depths);
+    return depths;
+  }
+
   const PhotoSet& photos_;
   const SuperpixelOptions& superpixel_options_;
   const SuperpixelStereoOptions& options_;
   const JobControl& job_;
   const bool remembers_;              // false: `memory` is dropped after the run
+  PhotoExchange* const exchange_;     // null: this process does all photos
   std::vector<PhotoMemory*> memory_;  // of each photo
   std::vector<std::uint64_t> solve_keys_;
-  std::vector<LinearStereo> solvers_;
+  std::vector<LinearStereo> solvers_;  // empty with an exchange
   std::vector<ViewLookup> lookups_;
   std::unique_ptr<PhotometricStage> photometric_;  // null: without
   std::vector<std::vector<DepthRow>> photo_rows_;  // of each photo, empty without
@@ -237,11 +316,11 @@ class StereoRun {
 SuperpixelStereoResult CheckAndRun(const PhotoSet& photos,
                                    const SuperpixelOptions& superpixel_options,
                                    const SuperpixelStereoOptions& options, const JobControl& job,
-                                   bool remembers, StereoMemory* memory) {
+                                   bool remembers, PhotoExchange* exchange, StereoMemory* memory) {
   ThrowIfInvalid(superpixel_options.Check());
   ThrowIfInvalid(options.Check());
   RequirePixels(photos);
-  return StereoRun(photos, superpixel_options, options, job, remembers, memory).Run();
+  return StereoRun(photos, superpixel_options, options, job, remembers, exchange, memory).Run();
 }
 
 }  // namespace
@@ -251,14 +330,22 @@ SuperpixelStereoResult RunSuperpixelStereo(const PhotoSet& photos,
                                            const SuperpixelStereoOptions& options,
                                            const JobControl& job) {
   StereoMemory memory;
-  return CheckAndRun(photos, superpixel_options, options, job, false, &memory);
+  return CheckAndRun(photos, superpixel_options, options, job, false, nullptr, &memory);
+}
+
+SuperpixelStereoResult ShareSuperpixelStereo(const PhotoSet& photos,
+                                             const SuperpixelOptions& superpixel_options,
+                                             const SuperpixelStereoOptions& options,
+                                             const JobControl& job, PhotoExchange* exchange) {
+  StereoMemory memory;
+  return CheckAndRun(photos, superpixel_options, options, job, false, exchange, &memory);
 }
 
 SuperpixelStereoResult UpdateSuperpixelStereo(const PhotoSet& photos,
                                               const SuperpixelOptions& superpixel_options,
                                               const SuperpixelStereoOptions& options,
                                               const JobControl& job, StereoMemory* memory) {
-  return CheckAndRun(photos, superpixel_options, options, job, true, memory);
+  return CheckAndRun(photos, superpixel_options, options, job, true, nullptr, memory);
 }
 
 }  // namespace colmap_ext

@@ -14,6 +14,7 @@
 #include "colmap_ext/geom/mesh.h"
 #include "colmap_ext/scene/oriented_points.h"
 #include "colmap_ext/util/job_control.h"
+#include "colmap_ext/util/job_rank.h"
 
 namespace colmap_ext {
 
@@ -27,6 +28,8 @@ struct DenseRequest {
   std::filesystem::path prior_path;
   // Points outside are left out of the cloud; empty box: all are kept.
   BoundingBox region;
+  // The built-in one only: this process's share of the work. All processes see workspace_path.
+  JobRank rank;
 };
 
 class DenseBackEnd {

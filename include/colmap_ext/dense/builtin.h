@@ -21,6 +21,9 @@ double MatchingMemoryMib(const PinholeCamera& camera, int num_partners);
 // confidence = 1 − 1/(photos that agree). Each photo's file is written at once, whole: a stopped
 // run goes on where it was, and gives the same bytes. Maps that were made from other photos, poses
 // or options are thrown away, with a message. Photos without partners get no maps, and are named.
+// Several processes (request.rank) each work on their share of every pass and wait for the others'
+// files before the next one; the first gets the cloud, to the last bit that of one process, and the
+// others an empty one.
 //
 // Throws Error when no photo has a partner, or nothing was reconstructed; UsageError for options.
 OrientedPoints ReconstructBuiltin(const DenseRequest& request, const DenseStereoOptions& options,

@@ -9,6 +9,7 @@
 #include "colmap_ext/dense/photo_source.h"
 #include "colmap_ext/scene/dense_map.h"
 #include "colmap_ext/util/job_control.h"
+#include "colmap_ext/util/job_rank.h"
 
 namespace colmap_ext {
 
@@ -28,9 +29,10 @@ struct DenseWorkspace {
 // images/ (undistorted, at the size of `photos`; those already there stay), sparse/ with one
 // pinhole camera a photo, stereo/fusion.cfg and stereo/patch-match.cfg. Without `partners` the
 // latter leaves the choice to COLMAP. Names keep their folders; photos are written in the format of
-// their extension.
+// their extension. Of several processes each writes its own photos, and the first one the rest.
 void PrepareDenseWorkspace(const PhotoSource& photos, const std::vector<std::vector<int>>& partners,
-                           const DenseWorkspace& workspace, const JobControl& job);
+                           const DenseWorkspace& workspace, const JobRank& rank,
+                           const JobControl& job);
 
 // CV_32FC1 … C16 with a channel of the map each.
 cv::Mat MatOf(const DenseMap& map);

@@ -30,6 +30,14 @@ struct FacetDepths {
   std::vector<std::uint8_t> supported;         // as in ViewMesh
 };
 
+// One view of a pass: solved again from the result of the pass before, with E_fusion's rows and
+// `extra_rows`, facets with confidence above options.fixed_confidence fixed.
+FacetDepths FuseView(const LinearStereo& solver, const std::vector<ViewMesh>& views,
+                     const std::vector<ViewLookup>& lookups,
+                     const std::vector<int>& neighbors_of_view,
+                     const std::vector<DepthRow>& extra_rows, int view,
+                     const SuperpixelStereoOptions& options);
+
 // One pass: every view is solved again from the result of the pass before (so the order of views
 // and the number of threads do not matter), facets with confidence above options.fixed_confidence
 // fixed; then lookups and confidence are renewed. `solvers`, `lookups` and `views` have one entry a

@@ -8,6 +8,7 @@
 #include "colmap_ext/scene/photo.h"
 #include "colmap_ext/scene/reconstruction.h"
 #include "colmap_ext/scene/view_mesh.h"
+#include "colmap_ext/util/job_rank.h"
 
 namespace colmap_ext {
 
@@ -23,19 +24,21 @@ void WriteFusedMesh(const std::vector<ViewMesh>& views, double min_confidence,
                     const std::filesystem::path& path);
 
 // `<folder>/<photo name>.ply` for each view, the same properties. `views` has one entry a photo, in
-// order.
+// order. Of several processes each writes its own photos'.
 void WriteViewMeshes(const PhotoSet& photos, const std::vector<ViewMesh>& views,
-                     double min_confidence, const std::filesystem::path& folder);
+                     double min_confidence, const std::filesystem::path& folder,
+                     const JobRank& rank = {});
 
 // A folder that `colmap stereo_fusion --workspace_path <folder> --input_type geometric` takes:
 // images/, sparse/ (the model with pinhole cameras of the photos' sizes), stereo/depth_maps and
 // stereo/normal_maps (<name>.geometric.bin), stereo/confidence_maps (<name>.bin), stereo/fusion.cfg
 // and stereo/patch-match.cfg (each view's neighbours). Depths of supported triangles with
 // confidence >= min_confidence. `model` is the model that `photos` was loaded from; photos must
-// have pixels. Throws Error naming the photo that `model` does not have.
+// have pixels. Of several processes each writes its own photos, and the first one the rest. Throws
+// Error naming the photo that `model` does not have.
 void WriteDenseWorkspace(const PhotoSet& photos, const Reconstruction& model,
                          const std::vector<ViewMesh>& views,
                          const std::vector<std::vector<int>>& neighbors, double min_confidence,
-                         const std::filesystem::path& folder);
+                         const std::filesystem::path& folder, const JobRank& rank = {});
 
 }  // namespace colmap_ext

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "colmap_ext/mvs/photo_exchange.h"
 #include "colmap_ext/mvs/stereo_memory.h"
 #include "colmap_ext/mvs/stereo_options.h"
 #include "colmap_ext/mvs/superpixels.h"
@@ -38,6 +39,14 @@ SuperpixelStereoResult RunSuperpixelStereo(const PhotoSet& photos,
                                            const SuperpixelOptions& superpixel_options,
                                            const SuperpixelStereoOptions& options,
                                            const JobControl& job);
+
+// The same result to the last bit by several processes, each of which works on its photos; all get
+// the whole result. Every process needs all photos with their pixels. `exchange` was made of the
+// same photos and options. Throws also when another process does not come along.
+SuperpixelStereoResult ShareSuperpixelStereo(const PhotoSet& photos,
+                                             const SuperpixelOptions& superpixel_options,
+                                             const SuperpixelStereoOptions& options,
+                                             const JobControl& job, PhotoExchange* exchange);
 
 // The same result to the last bit, sooner: what `memory` holds of earlier runs is used wherever it
 // was computed from the same input. So new photos solve themselves, and of the others only those

@@ -1,0 +1,128 @@
+#include "colmap_ext/mvs/photo_exchange.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cstdio>
+
+#include "colmap_ext/mvs/linear_stereo.h"
+#include "colmap_ext/util/files.h"
+#include "mvs/content_hash.h"
+#include "mvs/memory_keys.h"
+#include "scene/byte_reader.h"
+
+namespace colmap_ext {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Of everything that the result depends on.
+std::uint64_t HashOf(const PhotoSet& photos, const SuperpixelOptions& superpixel_options,
+                     const SuperpixelStereoOptions& options, int num_processes) {
+  const std::vector<std::vector<int>> points = PointsOfPhotos(photos);
+  std::vector<std::uint64_t> keys(photos.photos.size());
+  tbb::parallel_for(std::size_t{0}, keys.size(), [&](std::size_t i) {
+    const std::uint64_t partition = PartitionKey(photos.photos[i], superpixel_options);
+    keys[i] = SolveKey(partition, photos, i, points[i], options);
+  });
+  return ContentHash().Add(keys).Add(num_processes).value();
+}
+
+// Of numbers or fixed-size Eigen vectors: types without padding.
+template <typename T>
+void Put(const std::vector<T>& values, std::ostream& out) {
+  WriteBytes(out, std::uint64_t{values.size()});
+  out.write(reinterpret_cast<const char*>(values.data()),
+            static_cast<std::streamsize>(values.size() * sizeof(T)));
+}
+
+template <typename T>
+void Take(ByteReader* in, std::vector<T>* values) {
+  values->resize(in->ReadCount(sizeof(T), "values"));
+  in->Take(values->data(), values->size() * sizeof(T), "values");
+}
+
+void Put(const ImageMesh& mesh, std::ostream& out) {
+  Put(mesh.vertices_px, out);
+  Put(mesh.triangles, out);
+  Put(mesh.neighbors, out);
+  Put(mesh.superpixel, out);
+  Put(mesh.mean_bgr, out);
+  WriteBytes(out, mesh.num_superpixels);
+}
+
+void Take(ByteReader* in, ImageMesh* mesh) {
+  Take(in, &mesh->vertices_px);
+  Take(in, &mesh->triangles);
+  Take(in, &mesh->neighbors);
+  Take(in, &mesh->superpixel);
+  Take(in, &mesh->mean_bgr);
+  mesh->num_superpixels = in->Read<int>("superpixels");
+}
+
+void Put(const FacetDepths& depths, std::ostream& out) {
+  Put(depths.inverse_depth, out);
+  Put(depths.supported, out);
+}
+
+void Take(ByteReader* in, FacetDepths* depths) {
+  Take(in, &depths->inverse_depth);
+  Take(in, &depths->supported);
+}
+
+}  // namespace
+
+PhotoExchange::PhotoExchange(const PhotoSet& photos, const SuperpixelOptions& superpixel_options,
+                             const SuperpixelStereoOptions& options, fs::path folder,
+                             const JobRank& rank)
+    : photos_(photos), folder_(std::move(folder)), rank_(rank) {
+  char hash[32];
+  std::snprintf(
+      hash, sizeof hash, "%016llx",
+      static_cast<unsigned long long>(HashOf(photos, superpixel_options, options, rank.size)));
+  run_folder_ = folder_ / (hash + ("_" + rank.launch));
+}
+
+template <typename Item>
+void PhotoExchange::ShareItems(const JobControl& job, std::vector<Item>* items) {
+  const fs::path folder = run_folder_ / std::to_string(step_++);
+  const auto path_of = [&](std::size_t i) { return folder / (photos_.photos[i].name + ".bin"); };
+  std::vector<fs::path> others;
+  for (std::size_t i = 0; i < items->size(); ++i) {
+    if (!rank_.IsMine(i)) others.push_back(path_of(i));
+  }
+  tbb::parallel_for(std::size_t{0}, items->size(), [&](std::size_t i) {
+    if (!rank_.IsMine(i)) return;
+    WriteFileAtomically(path_of(i), [&](std::ostream& out) { Put((*items)[i], out); });
+  });
+  WaitForFiles(others, rank_, job);
+  tbb::parallel_for(std::size_t{0}, items->size(), [&](std::size_t i) {
+    if (rank_.IsMine(i)) return;
+    ByteReader in(path_of(i));
+    Take(&in, &(*items)[i]);
+    in.ExpectEnd();
+  });
+}
+
+void PhotoExchange::Share(const JobControl& job, std::vector<ImageMesh>* partitions) {
+  ShareItems(job, partitions);
+}
+
+void PhotoExchange::Share(const JobControl& job, std::vector<FacetDepths>* depths) {
+  ShareItems(job, depths);
+}
+
+void PhotoExchange::Share(const JobControl& job, std::vector<std::vector<float>>* confidence) {
+  ShareItems(job, confidence);
+}
+
+void PhotoExchange::Finish(const JobControl& job) {
+  const auto done = [&](int rank) { return run_folder_ / "done" / std::to_string(rank); };
+  WriteFileAtomically(done(rank_.rank), "");
+  if (!rank_.IsFirst()) return;
+  std::vector<fs::path> all;
+  for (int rank = 0; rank < rank_.size; ++rank) all.push_back(done(rank));
+  WaitForFiles(all, rank_, job);
+  fs::remove_all(folder_);
+}
+
+}  // namespace colmap_ext

@@ -1,5 +1,5 @@
-#colmap_ext_module(<name> DEPENDS <modules> LIBRARIES <third - party targets>)
-#makes the static library colmap_ext_ < name> from src / < name>/*.cc. Public headers are in
+# colmap_ext_module(<name> DEPENDS <modules> LIBRARIES <third-party targets>)
+# makes the static library colmap_ext_<name> from src/<name>/*.cc. Public headers are in
 # include/colmap_ext/<name>/, private ones beside their .cc files.
 add_library(colmap_ext_warnings INTERFACE)
 target_compile_options(colmap_ext_warnings INTERFACE -Wall -Wextra -Wconversion -Werror)

@@ -15,7 +15,7 @@ command -v node >/dev/null || packages+=(nodejs)
 command -v npm >/dev/null || packages+=(npm)
 if [[ "${1:-}" == "--tests" ]]; then
   packages+=(libgtest-dev libgmock-dev clang-format clang-tidy gdal-bin libxml2-utils python3 sqlite3)
-  packages+=(chromium unzip)
+  packages+=(chromium faketime openmpi-bin unzip)
 fi
 
 missing=()

@@ -114,7 +114,7 @@ function pictures(count) {
     const yaw = Math.atan2(-center[0], -center[1]);
     const pitch = -0.35; // camera from world: level, then down
     const [cy, sy] = [Math.cos(yaw / 2), Math.sin(yaw / 2)];
-    const [ct, st] = [Math.cos(Math.PI / 4 + pitch / 2), Math.sin(Math.PI / 4 + pitch / 2)];
+    const [ct, st] = [Math.cos(Math.PI / 4 - pitch / 2), Math.sin(Math.PI / 4 - pitch / 2)];
     return {
       name: `photo_${String(i).padStart(4, '0')}.jpg`,
       camera: 0,
@@ -236,7 +236,7 @@ row(`load and decode ${points.toLocaleString('en')} points`, Date.now() - begun)
 await complete();
 row('… until all of them are drawn', Date.now() - begun);
 row('memory then', (await usage()).memory, 'MB');
-const all = await turning(30);
+const all = await turning(15);
 row('turning the view, everything shown: a frame', all[0]);
 row('CPU time of such a frame (the machine has other work)', all[1]);
 const rested = Date.now();
@@ -245,7 +245,7 @@ row('from the last turn until all points are drawn again', Date.now() - rested);
 row('longest pause between frames meanwhile', pause);
 await page.evaluate(() => colmapExt.app.setLayer('fused', false));
 await complete();
-const few = await turning(30);
+const few = await turning(15);
 row('turning without the dense points: a frame', few[0]);
 row('CPU time of such a frame', few[1]);
 await complete();

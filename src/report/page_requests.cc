@@ -131,12 +131,13 @@ std::string VersionOf(const fs::path& report) {
 }
 
 PageAnswer AnswerGet(const std::string& path, std::string_view query, const PageContext& context) {
-  if (path == "/api/live") {
+  if (path == "/api/live" || path == "/api/events") {
     std::size_t since = 0;
     constexpr std::string_view kSince = "since=";
     if (query.starts_with(kSince)) {
       std::from_chars(query.data() + kSince.size(), query.data() + query.size(), since);
     }
+    if (path == "/api/events") return {200, "text/event-stream", "", std::nullopt, since};
     return {200, "application/json",
             context.live->ToJson(since, context.token, VersionOf(context.report)), std::nullopt};
   }
@@ -205,6 +206,19 @@ std::string LiveState::ToJson(std::size_t since, const std::string& token,
                         {"token", token},
                         {"next", next},
                         {"messages", messages}});
+}
+
+std::string LiveEvents::Next() {
+  const std::string text =
+      context_->live->ToJson(next_, context_->token, VersionOf(context_->report));
+  if (text == last_) return "";
+  const Json json = Json::parse(text);
+  next_ = json["next"];
+  // What the next call would say if nothing happened until then.
+  Json quiet = json;
+  quiet["messages"] = Json::array();
+  last_ = DumpLeniently(quiet);
+  return "data: " + text + "\n\n";
 }
 
 PageAnswer AnswerPageRequest(const PageRequest& request, const PageContext& context) {

@@ -49,6 +49,8 @@ struct PageAnswer {
   std::string type = "application/json";
   std::string body;
   std::optional<DaemonCall> call;  // instead of the above: ask the daemon
+  // Instead of the above: server-sent events, messages from this number on.
+  std::optional<std::size_t> events_since = std::nullopt;
 };
 
 struct PageContext {
@@ -60,9 +62,23 @@ struct PageContext {
   const LiveState* live = nullptr;
 };
 
-// GET of the page's files, /api/live and /api/flight; POST of /api/flight/{pause,resume,abort} with
-// the token that /api/live tells (a foreign web page cannot read it). Anything else, a Host other
-// than this server's, a foreign Origin and paths that leave the folder are refused.
+// What /api/events sends: an event with LiveState::ToJson whenever that says something new.
+class LiveEvents {
+ public:
+  LiveEvents(const PageContext* context, std::size_t since) : context_(context), next_(since) {}
+  // "data: {…}\n\n"; empty when there is nothing new.
+  std::string Next();
+
+ private:
+  const PageContext* context_;  // must outlive this
+  std::size_t next_;
+  std::string last_;
+};
+
+// GET of the page's files, /api/live, /api/events and /api/flight; POST of
+// /api/flight/{pause,resume,abort} with the token that /api/live tells (a foreign web page cannot
+// read it). Anything else, a Host other than this server's, a foreign Origin and paths that leave
+// the folder are refused.
 PageAnswer AnswerPageRequest(const PageRequest& request, const PageContext& context);
 
 }  // namespace colmap_ext

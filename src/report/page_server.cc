@@ -5,8 +5,10 @@
 #include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/thread_pool.hpp>
 #include <chrono>
+#include <memory>
 #include <thread>
 
 #include "colmap_ext/scene/daemon_address.h"
@@ -23,6 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxBody = 4096;  // bytes
 constexpr double kDaemonTimeoutS = 3;
+constexpr std::chrono::milliseconds kNewsInterval{200};
 
 std::string RandomToken() {
   std::array<unsigned char, 16> bytes{};
@@ -82,6 +85,8 @@ struct PageServer::Impl {
 
   void Listen(int port);
   void Handle(const HttpRequest& request, HttpServer::Respond respond);
+  // Asks the streams for news now and at every kNewsInterval.
+  void TellNews();
 
   fs::path root;
   ProgressSink* next;
@@ -89,6 +94,7 @@ struct PageServer::Impl {
   PageContext context;
   asio::thread_pool asking{1};  // waits for the daemon, so that the page need not
   asio::io_context io;
+  asio::steady_timer news{io};
   std::optional<HttpServer> http;
   std::thread thread;
 };
@@ -107,11 +113,25 @@ void PageServer::Impl::Handle(const HttpRequest& request, HttpServer::Respond re
       {request.method, request.target, request.Header("host"), request.Header("origin"),
        request.Header("x-colmap-ext-token"), request.body},
       context);
+  if (answer.events_since) {
+    HttpResponse response = ToResponse(answer, false);
+    const auto events = std::make_shared<LiveEvents>(&context, *answer.events_since);
+    response.stream = HttpStream{[events] { return events->Next(); }, ": still here\n\n", 10};
+    return respond(std::move(response));
+  }
   const bool has_inline_script = request.target.starts_with("/pictures.html");
   if (!answer.call) return respond(ToResponse(answer, has_inline_script));
   asio::post(asking, [this, call = *answer.call, respond = std::move(respond)] {
     const HttpResponse response = ToResponse(AskDaemon(root, call), false);
     asio::post(io, [respond, response] { respond(response); });
+  });
+}
+
+void PageServer::Impl::TellNews() {
+  http->Wake();
+  news.expires_after(kNewsInterval);
+  news.async_wait([this](const boost::system::error_code& error) {
+    if (!error) TellNews();
   });
 }
 
@@ -126,6 +146,7 @@ PageServer::PageServer(const Workspace& workspace, const PageOptions& options, i
                     this->port(),
                     RandomToken(),
                     &impl_->live};
+  impl_->TellNews();
   impl_->thread = std::thread([io = &impl_->io] { io->run(); });
 }
 

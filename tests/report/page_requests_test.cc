@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "colmap_ext/report/page_server.h"
 #include "colmap_ext/scene/json_file.h"
 #include "colmap_ext/util/error.h"
@@ -90,6 +92,39 @@ TEST_F(PageRequestsTest, FlightCommandsNeedTheToken) {
   EXPECT_EQ(Get("/api/flight").call->target, "/v1/status");
   EXPECT_EQ(AnswerPageRequest({"DELETE", "/", "127.0.0.1:8080", "", "token", ""}, context_).status,
             405);
+}
+
+TEST_F(PageRequestsTest, EventsSayWhatIsNewOnce) {
+  live_.Message(LogLevel::kInfo, "one");
+  live_.Message(LogLevel::kInfo, "two");
+  const PageAnswer answer = Get("/api/events?since=1");
+  ASSERT_TRUE(answer.events_since.has_value());
+  EXPECT_EQ(answer.type, "text/event-stream");
+  EXPECT_EQ(
+      AnswerPageRequest({"GET", "/api/events", "evil.example:8080", "", "", ""}, context_).status,
+      403);
+  LiveEvents events(&context_, *answer.events_since);
+  const auto json_of = [](const std::string& event) {
+    EXPECT_TRUE(event.starts_with("data: ") && event.ends_with("\n\n")) << event;
+    EXPECT_EQ(std::count(event.begin(), event.end(), '\n'), 2) << event;
+    return Json::parse(event.substr(6));
+  };
+  Json json = json_of(events.Next());
+  ASSERT_EQ(json["messages"].size(), 1U);
+  EXPECT_EQ(json["messages"][0]["text"], "two");
+  EXPECT_EQ(json["token"], "token");
+  EXPECT_EQ(events.Next(), "");
+  live_.Progress("matching", 1, 4);
+  json = json_of(events.Next());
+  EXPECT_EQ(json["done"], 1);
+  EXPECT_TRUE(json["messages"].empty());
+  EXPECT_EQ(events.Next(), "");
+  live_.Message(LogLevel::kWarning, "three\nlines\nhere");
+  json = json_of(events.Next());
+  EXPECT_EQ(json["messages"][0]["text"], "three\nlines\nhere");
+  WriteFileAtomically(root_ / "report" / "data" / "session.js", "new");
+  EXPECT_NE(json_of(events.Next())["version"], json["version"]);
+  EXPECT_EQ(events.Next(), "");
 }
 
 TEST_F(PageRequestsTest, LiveStateIsToldFromANumberOn) {

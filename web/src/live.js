@@ -2,7 +2,8 @@
 import { $, el } from './dom.js';
 import { load } from './data.js';
 
-const everyMs = 1000;
+const flightEveryMs = 1000;
+const againMs = 3000; // after a lost connection
 
 export class Live {
   constructor(app) {
@@ -10,30 +11,61 @@ export class Live {
     this.next = 0; // number of the first message not seen yet
     this.token = '';
     this.version = null;
+    this.missed = 0; // tries in a row that nobody answered
   }
 
-  /** Asks until the page is closed; ends at once when nobody answers as our server does. */
+  /** Listens until the page is closed; ends at once when nobody answers as our server does. */
   async start() {
     if (!location.protocol.startsWith('http')) return;
-    for (let missed = 0; ;) {
-      try {
-        await this.#poll();
-        missed = 0;
-      } catch (error) {
-        if (this.version === null) return; // some other web server
-        missed++;
-        if (missed === 2)
-          this.#activity('The session’s program has ended or does not answer', false);
+    try {
+      const answer = await fetch('/api/live', { cache: 'no-store' });
+      if (!answer.ok || !answer.headers.get('content-type')?.includes('json')) return;
+      await this.#take(await answer.json());
+    } catch {
+      return; // some other web server
+    }
+    this.#listen();
+    // Browsers open few connections to one server: a hidden page gives its own up.
+    document.addEventListener('visibilitychange', () =>
+      document.hidden ? this.#hangUp() : this.#listen(),
+    );
+    this.#watchFlight();
+  }
+
+  #hangUp() {
+    clearTimeout(this.again);
+    this.events?.close();
+    this.events = null;
+  }
+
+  #listen() {
+    this.#hangUp();
+    this.events = new EventSource(`/api/events?since=${this.next}`);
+    this.events.onmessage = (event) => {
+      this.missed = 0;
+      this.told = (this.told ?? Promise.resolve()) // one after the other
+        .then(() => this.#take(JSON.parse(event.data)))
+        .catch((error) => this.app.complain(error));
+    };
+    this.events.onerror = () => {
+      this.#hangUp(); // the browser's own new try would ask for old messages again
+      if (++this.missed === 2)
+        this.#activity('The session’s program has ended or does not answer', false);
+      this.again = setTimeout(() => this.#listen(), this.missed > 1 ? againMs : 500);
+    };
+  }
+
+  async #watchFlight() {
+    for (;;) {
+      if (!document.hidden) {
+        const flight = await fetch('/api/flight', { cache: 'no-store' }).catch(() => null);
+        if (flight) this.app.flight.show(flight.ok ? await flight.json() : null);
       }
-      await new Promise((resolve) => setTimeout(resolve, missed > 1 ? 3000 : everyMs));
+      await new Promise((resolve) => setTimeout(resolve, flightEveryMs));
     }
   }
 
-  async #poll() {
-    const answer = await fetch(`/api/live?since=${this.next}`, { cache: 'no-store' });
-    if (!answer.ok || !answer.headers.get('content-type')?.includes('json'))
-      throw new Error('no live session');
-    const live = await answer.json();
+  async #take(live) {
     this.token = live.token;
     this.#messages(live.messages);
     this.next = live.next;
@@ -43,12 +75,9 @@ export class Live {
     } else {
       this.#activity('', false);
     }
-    if (this.version !== null && live.version !== this.version) {
-      this.app.update(await load('session', `data/session.js?${live.version}`));
-    }
+    const changed = this.version !== null && live.version !== this.version;
     this.version = live.version;
-    const flight = await fetch('/api/flight', { cache: 'no-store' });
-    this.app.flight.show(flight.ok ? await flight.json() : null);
+    if (changed) this.app.update(await load('session', `data/session.js?${live.version}`));
   }
 
   #activity(text, running) {

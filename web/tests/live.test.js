@@ -118,6 +118,39 @@ describe('the live page', () => {
     assert.deepEqual(page.problems, []);
   });
 
+  it('is told by server-sent events, and asks again after a lost connection', async () => {
+    const { events, type } = await new Promise((resolve, reject) => {
+      const { port } = new URL(site.url);
+      http
+        .get({ host: '127.0.0.1', port, path: '/api/events?since=0' }, (response) => {
+          let text = '';
+          response.on('data', (part) => {
+            text += part;
+            if (!text.includes('\n\n')) return;
+            response.destroy();
+            resolve({ events: text, type: response.headers['content-type'] });
+          });
+        })
+        .on('error', reject);
+    });
+    assert.match(type, /text\/event-stream/);
+    assert.equal(JSON.parse(events.split('\n')[0].slice(6)).messages[0].text, 'Iteration 1');
+    const asked = await page.evaluate(
+      () => performance.getEntriesByType('resource').filter((r) => /api\/live/.test(r.name)).length,
+    );
+    assert.equal(asked, 1, 'it does not poll');
+    const told = () => page.locator('#log li').count();
+    const before = await told();
+    await page.evaluate(() => {
+      colmapExt.app.live.events.dispatchEvent(new Event('error'));
+    });
+    await site.say('hello');
+    await page.waitForFunction((n) => document.querySelectorAll('#log li').length > n, before);
+    await page.waitForTimeout(1000);
+    assert.equal(await told(), before + 1, 'no message comes twice');
+    assert.deepEqual(page.problems, []);
+  });
+
   it('shows the flight, and pauses, resumes and aborts it', async () => {
     writeFileSync(
       path.join(site.folder, 'flightd.json'),
@@ -150,6 +183,9 @@ describe('the live page', () => {
     page.problems.length = known; // the browser logs the 409
     await page.click('[data-do=abort]');
     assert.ok(!heard.some((h) => h.call === 'POST /v1/abort'), 'it asks first');
+    await page.click('[data-do=no]');
+    await page.click('[data-do=abort]');
+    assert.equal(await page.locator('[data-do=abort-rtl]').count(), 1);
     await page.click('[data-do=abort-land]');
     await page.waitForFunction(() => document.querySelector('[data-do=abort]'));
     assert.deepEqual(

@@ -365,6 +365,86 @@ describe('the page', () => {
     assert.equal(await app('app.selection.photo'), 1);
   });
 
+  it('does by its buttons what its keys do', async () => {
+    const where = () => app('app.viewer.camera.position.toArray()');
+    let old = await where();
+    for (const view of ['top', 'side', 'fit']) {
+      await page.click(`[data-view=${view}]`);
+      await settle(page);
+      assert.notDeepEqual(await where(), old, view);
+      old = await where();
+    }
+    const fold = page.locator('#layers .fold');
+    await fold.click();
+    assert.equal(await page.locator('#layers .layerlist').isVisible(), false);
+    assert.equal(await fold.getAttribute('aria-expanded'), 'false');
+    await fold.click();
+    assert.equal(await page.locator('#layers .layerlist').isVisible(), true);
+    await page.click('#help-open');
+    assert.match(await page.textContent('#help'), /Space.*play/s);
+    await page.click('#help button');
+    assert.equal(await page.locator('#help').isVisible(), false);
+    await page.locator('#photos .thumb').nth(2).hover();
+    assert.equal(await app('app.viewer.selectedPhoto'), 2);
+    await page.locator('#photos .thumb').nth(2).click();
+    await page.click('.photo-card [aria-label="Next photo"]');
+    await page.waitForFunction(() => colmapExt.app.selection.photo === 3);
+    await page.click('.photo-card [aria-label="Photo before"]');
+    await page.waitForFunction(() => colmapExt.app.selection.photo === 2);
+    await page.click('#enlarge');
+    await page.waitForSelector('#viewer[open]');
+    await page.click('#viewer [aria-label="Next photo"]');
+    await page.waitForFunction(() => document.getElementById('viewer').textContent.includes('103'));
+    await page.click('#viewer button:has-text("Close")');
+    assert.equal(await page.locator('#viewer').isVisible(), false);
+    await page.click('#look-through');
+    await page.waitForSelector('#through:not([hidden]) img');
+    await page.locator('#through input').fill('25');
+    assert.equal(
+      await page.locator('#through img').evaluate((image) => image.style.opacity),
+      '0.25',
+    );
+    await page.click('#through button');
+    assert.equal(await page.locator('#through').isHidden(), true);
+    await page.click('.photo-card [aria-label=Close]');
+    await page.waitForSelector('#photos');
+    await page.locator('#canvas').dblclick({ position: { x: 640 - 180, y: 400 } });
+    await page.click('#tab-table');
+    assert.match(await page.textContent('#table'), /Where the time of iteration 2 went/);
+    await page.click('a[href="pictures.html"]');
+    await page.waitForLoadState();
+    assert.match(page.url(), /pictures\.html$/);
+    assert.deepEqual(page.problems, []);
+  });
+
+  it('names every control, and keeps the focus in sight', async () => {
+    const nameless = await page.evaluate(() =>
+      [...document.querySelectorAll('button, a[href], input, [role=tab], [role=radio]')]
+        .filter((each) => each.checkVisibility())
+        .filter(
+          (each) =>
+            !each.textContent.trim() &&
+            !each.getAttribute('aria-label') &&
+            !each.labels?.[0]?.textContent.trim(),
+        )
+        .map((each) => each.outerHTML),
+    );
+    assert.deepEqual(nameless, []);
+    const seen = new Set();
+    for (let i = 0; i < 20; ++i) {
+      await page.keyboard.press('Tab');
+      const [what, ring] = await page.evaluate(() => {
+        const { activeElement: e } = document;
+        const style = getComputedStyle(e);
+        const name = e.labels?.[0]?.textContent || e.textContent.trim() || e.id;
+        return [name, style.outlineStyle];
+      });
+      seen.add(what);
+      assert.notEqual(ring, 'none', `${what} shows no focus`);
+    }
+    assert.ok(seen.size >= 15, `only ${seen.size} places are reached by Tab`);
+  });
+
   it('has a light and a dark face', async () => {
     const background = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
     const light = await background();

@@ -6,6 +6,9 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include <new>
+#include <string>
+
 #include "colmap_ext/util/error.h"
 
 namespace colmap_ext {
@@ -19,12 +22,26 @@ struct ReleaseGeometry {
   void operator()(RTCGeometryTy* geometry) const { rtcReleaseGeometry(geometry); }
 };
 
+// Embree gives errors by return value: unnoticed, rays would miss everything. `device` may be null:
+// the error of making one.
+void ThrowIfFailed(RTCDevice device, const char* doing) {
+  const RTCError error = rtcGetDeviceError(device);
+  if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+  if (error != RTC_ERROR_NONE) {
+    throw Error(std::string("Embree cannot ") + doing + " (its error " +
+                std::to_string(static_cast<int>(error)) + "); is there enough memory?");
+  }
+}
+
 }  // namespace
 
 void EmbreeScene::Release::operator()(RTCDeviceTy* device) const { rtcReleaseDevice(device); }
 
 EmbreeScene::EmbreeScene(const TriangleMesh& mesh) : device_(rtcNewDevice("threads=1")) {
-  if (device_ == nullptr) throw Error("Embree could not be started");
+  if (device_ == nullptr) {
+    ThrowIfFailed(nullptr, "be started");
+    throw Error("Embree cannot be started");
+  }
   std::unique_ptr<RTCSceneTy, ReleaseScene> scene(rtcNewScene(device_.get()));
   rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
   if (!mesh.faces.empty()) {
@@ -36,7 +53,7 @@ EmbreeScene::EmbreeScene(const TriangleMesh& mesh) : device_(rtcNewDevice("threa
     auto* indices = static_cast<unsigned*>(
         rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                 3 * sizeof(unsigned), mesh.faces.size()));
-    if (vertices == nullptr || indices == nullptr) throw Error("not enough memory for the mesh");
+    if (vertices == nullptr || indices == nullptr) throw std::bad_alloc();
     vertices_ = vertices;
     indices_ = indices;
     for (const Eigen::Vector3d& vertex : mesh.vertices) {
@@ -49,6 +66,7 @@ EmbreeScene::EmbreeScene(const TriangleMesh& mesh) : device_(rtcNewDevice("threa
     rtcAttachGeometry(scene.get(), geometry.get());
   }
   rtcCommitScene(scene.get());
+  ThrowIfFailed(device_.get(), "index the mesh");
   scene_ = scene.release();
 }
 

@@ -105,6 +105,7 @@ InputChanges CompareInputs(const SeenInputs& before, const SeenInputs& now,
                                image_path.string() + ": " + Named(removed) +
                                "; put them back, or start a new workspace");
   }
+  changes.removed_photos = removed;
   if (!replaced.empty()) {
     changes.warnings.push_back(Photos(replaced.size()) + " in " + image_path.string() +
                                " changed since the session used them: " + Named(replaced) +

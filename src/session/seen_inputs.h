@@ -33,6 +33,7 @@ struct InputChanges {
   // Sentences that name what is no longer as the session used it: its results do not follow from
   // what is there now.
   std::vector<std::string> warnings;
+  std::vector<std::string> removed_photos;  // names
   std::vector<std::string> notes;  // changed options, which count from the next iteration on
 };
 

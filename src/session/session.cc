@@ -89,9 +89,23 @@ int PhotosBefore(const Session& session) {
   return session.summary.iterations.empty() ? 0 : session.summary.iterations.back().photos;
 }
 
+// Stereo needs the pixels of every photo of the model. It would miss them only after the new photos
+// had come into the database without their matches to the missing one, which come once.
+void RequirePhotosOfModel(const Session& session) {
+  if (session.summary.iterations.empty()) return;
+  const std::vector<std::string>& unregistered = session.summary.iterations.back().unregistered;
+  for (const std::string& name : ChangesSinceLastIteration(session).removed_photos) {
+    if (std::ranges::find(unregistered, name) != unregistered.end()) continue;
+    throw Error((PhotoFolder(session) / name).string() +
+                ": this photo of the session's model is gone; put it back, or start a new "
+                "workspace");
+  }
+}
+
 // Removes what an interrupted run left and makes the iteration's folder, which shows from now on
 // that the iteration began. Throws Error when the disk has no room for it.
 void BeginIteration(const Session& session, int new_photos, const JobControl& job) {
+  RequirePhotosOfModel(session);
   RemoveUnfinishedIteration(session);
   const DiskNeed need =
       EstimateDiskNeed(session.options, session.inputs.IsSimulation(), PhotosBefore(session),

@@ -51,6 +51,7 @@ TEST_F(SeenInputsTest, NothingChangedAndNewPhotosAreNoChange) {
   const InputChanges changes = Compare(before);
   EXPECT_TRUE(changes.warnings.empty());
   EXPECT_TRUE(changes.notes.empty());
+  EXPECT_TRUE(changes.removed_photos.empty());
 }
 
 TEST_F(SeenInputsTest, PhotosThatWentOrChangedAreNamed) {
@@ -63,6 +64,7 @@ TEST_F(SeenInputsTest, PhotosThatWentOrChangedAreNamed) {
   EXPECT_NE(changes.warnings[0].find("a.jpg, b.jpg, d.jpg and 1 more"), std::string::npos);
   EXPECT_NE(changes.warnings[1].find("1 photo in"), std::string::npos) << changes.warnings[1];
   EXPECT_NE(changes.warnings[1].find("sub/c.jpg"), std::string::npos);
+  EXPECT_EQ(changes.removed_photos, (std::vector<std::string>{"a.jpg", "b.jpg", "d.jpg", "e.jpg"}));
 }
 
 TEST_F(SeenInputsTest, AnotherProgramsDatabase) {

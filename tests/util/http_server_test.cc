@@ -8,6 +8,7 @@
 #include <boost/asio/read.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
@@ -113,10 +114,11 @@ TEST_F(HttpServerTest, HeadersOfBothSides) {
 }
 
 TEST_F(HttpServerTest, StreamsUntilTheClientLeaves) {
-  std::string news = "first\n";  // used on the server's thread
-  Start([&](const HttpRequest&, const HttpServer::Respond& respond) {
+  // Used on the server's thread, which outlives this function.
+  const auto news = std::make_shared<std::string>("first\n");
+  Start([news](const HttpRequest&, const HttpServer::Respond& respond) {
     HttpResponse response{200, "text/event-stream", ""};
-    response.stream = {[&news] { return std::exchange(news, ""); }, "idle\n", 0.05};
+    response.stream = {[news] { return std::exchange(*news, ""); }, "idle\n", 0.05};
     respond(response);
   });
   asio::io_context io;
@@ -136,7 +138,7 @@ TEST_F(HttpServerTest, StreamsUntilTheClientLeaves) {
   EXPECT_TRUE(Holds(seen, " 200 OK\r\n"));
   wait_for("idle\nidle\n");
   asio::post(context_, [&] {
-    news = "second\n";
+    *news = "second\n";
     server_->Wake();
   });
   wait_for("second\n");

@@ -75,8 +75,10 @@ LoopResult RunGeometryLoop(const TrueSite& site, const std::string& strategy,
   const NextBestViewOptions nbv = PlanningOptions(site, strategy);
   std::vector<PosedPhoto> photos = site.FirstFlight();
   PathOptions path_options = site.options().path;
-  path_options.vouched_photos.emplace();
-  for (const PosedPhoto& photo : photos) path_options.vouched_photos->insert(photo.name);
+  if (!path_options.vouch_planned_flights) {
+    path_options.vouched_photos.emplace();
+    for (const PosedPhoto& photo : photos) path_options.vouched_photos->insert(photo.name);
+  }
   CoverageCounter counter = site.NewCounter();
   for (const PosedPhoto& photo : photos) counter.Add(photo);
   LoopResult result;

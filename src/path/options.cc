@@ -99,7 +99,11 @@ void BindOptions(OptionSet& set, PathOptions* options) {
           "known free around the hull of the vouched photos (metres, >= 0)");
   set.Add(s, "vouched_image_list_path", &options->vouched_image_list_path,
           "names of the photos, one a line, of flights that a person planned and vouches for; "
-          "empty: those of the session's first iteration, or all");
+          "empty: see vouch_planned_flights");
+  set.Add(
+      s, "vouch_planned_flights", &options->vouch_planned_flights,
+      "a session's planned flights vouch for what is around them, too (0, 1); 0: only its first "
+      "iteration's photos do");
   set.Add(s, "free_volume", &options->free_volume,
           "what the pilot vouches for, by ';': flown (around the vouched photos), above_top, boxes "
           "x,y,z,x,y,z, GeoJSON files; or none");

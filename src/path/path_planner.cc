@@ -292,7 +292,7 @@ void ReadZones(const WorldFrame& frame, PathOptions* options) {
 void ReadVouchedPhotos(const std::filesystem::path& workspace, PathOptions* options) {
   if (!options->vouched_image_list_path.empty()) {
     options->vouched_photos = ReadImageList(options->vouched_image_list_path);
-  } else if (!workspace.empty()) {
+  } else if (!workspace.empty() && !options->vouch_planned_flights) {
     options->vouched_photos = FirstFlightPhotos(Workspace(workspace));
   }
 }

@@ -156,6 +156,9 @@ TEST(ReadVouchedPhotos, TakesTheListBeforeTheSessionsFirstFlight) {
   ReadVouchedPhotos("", &options);
   EXPECT_FALSE(options.vouched_photos.has_value());
   ReadVouchedPhotos(folder, &options);
+  EXPECT_FALSE(options.vouched_photos.has_value());
+  options.vouch_planned_flights = false;
+  ReadVouchedPhotos(folder, &options);
   EXPECT_EQ(options.vouched_photos, (std::set<std::string>{"a.jpg", "b.jpg"}));
   options.vouched_image_list_path = folder / "mine.txt";
   ReadVouchedPhotos(folder, &options);

@@ -47,8 +47,12 @@ struct PathOptions {
   // from everything. Less than the next best views' max_distance_to_existing_m makes the loop slow.
   double flown_margin_m = 5;
   // Names of the photos (one a line, as COLMAP's image lists) of flights that a person planned and
-  // vouches for: see vouched_photos. Empty: those of a session's first iteration, else all.
+  // vouches for: see vouched_photos. Empty: as vouch_planned_flights says; without a session, all.
   std::filesystem::path vouched_image_list_path;
+  // A session's planned flights vouch for what is around them, too, so what is taken for free grows
+  // with every flight. Without, only its first iteration's photos do: safer, but a vehicle that is
+  // off its place by more than it should be may find no proved way on, and the session ends early.
+  bool vouch_planned_flights = true;
   // See FreeSpaceOptions, metres, >= 0; 0: all of the surface is confident. After a first flight
   // 99 % of the church's surface is denser than 0.85 m; what is sparser is guessed.
   double confident_spacing_m = 1;
@@ -101,9 +105,9 @@ void RequireMetric(const WorldFrame& frame);
 // Reads the files that limits_path and free_volume name. Throws as ReadFlightLimits.
 void ReadZones(const WorldFrame& frame, PathOptions* options);
 
-// Sets vouched_photos from vouched_image_list_path, or, when that is empty, to the first flight's
-// of the session in `workspace` (empty: all photos are vouched for). Throws as ReadImageList and
-// FirstFlightPhotos.
+// Sets vouched_photos from vouched_image_list_path, or, when that is empty and planned flights do
+// not vouch, to the first flight's of the session in `workspace` (empty: all photos are vouched
+// for). Throws as ReadImageList and FirstFlightPhotos.
 void ReadVouchedPhotos(const std::filesystem::path& workspace, PathOptions* options);
 
 // What PlanPath knows to be free around `surface` (world). `photos`: all registered ones, without

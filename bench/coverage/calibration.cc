@@ -14,7 +14,8 @@ constexpr int kNumUnknowns = 5;  // constant, stereo, support, views, steepness
 using Row = Eigen::Matrix<double, kNumUnknowns, 1>;
 
 struct Observation {
-  double log_stereo = 0, log_support = 0, log_views = 0, log_error = 0;  // of pixels
+  CueLogs logs;
+  double log_error = 0;  // of pixels
   double weight = 0;
 };
 
@@ -25,13 +26,7 @@ std::vector<Observation> ObservationsOf(const std::vector<JudgedFlight>& flights
     for (const JudgedPoint& point : flight.points) {
       const ErrorCues& cues = point.cues;
       if (cues.num_views < 1 || !(cues.pixel_mm > 0)) continue;
-      const double stereo_px = cues.stereo_mm < 0
-                                   ? model.max_stereo_px
-                                   : std::min(model.max_stereo_px, cues.stereo_mm / cues.pixel_mm);
-      const double support_px =
-          std::clamp(cues.support_mm / cues.pixel_mm, model.min_support_px, model.max_support_px);
-      observations.push_back({std::log(stereo_px), std::log(support_px),
-                              std::log(cues.num_views + 1.0),
+      observations.push_back({LogsOf(cues, model),
                               std::log(1000 * point.true_error_m / cues.pixel_mm + 1e-6),
                               100 / static_cast<double>(flight.points.size())});
     }
@@ -47,12 +42,12 @@ struct Bounds {
 
 // Columns so that row · unknowns > 0 says "more than t".
 Row RowOf(const Observation& o, double log_t, const Bounds& bounds) {
-  const double views = bounds.no_views ? 0.0 : -o.log_views;
+  const double views = bounds.no_views ? 0.0 : -o.logs.views;
   Row row;
   if (bounds.sum_is_one) {
-    row << 1, o.log_stereo - o.log_support, 0, views, o.log_support - log_t;
+    row << 1, o.logs.stereo - o.logs.support, 0, views, o.logs.support - log_t;
   } else {
-    row << 1, o.log_stereo, o.log_support, views, -log_t;
+    row << 1, o.logs.stereo, o.logs.support, views, -log_t;
   }
   return row;
 }
@@ -80,6 +75,40 @@ Row FitLogistic(const std::vector<Observation>& observations, const Bounds& boun
   return unknowns;
 }
 
+// The constants of "the final model is not there", unknowns that would be negative held at 0.
+void FitFailure(const std::vector<JudgedFlight>& flights, ErrorModel* model) {
+  constexpr double kFailurePx = 6;  // more than any noise of matching
+  constexpr int kIterations = 40;
+  constexpr double kRidge = 1e-3;
+  Eigen::Vector4d unknowns = Eigen::Vector4d::Zero();
+  Eigen::Array4d is_free = Eigen::Array4d::Ones();
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    Eigen::Matrix4d hessian = kRidge * Eigen::Matrix4d::Identity();
+    Eigen::Vector4d gradient = -kRidge * unknowns;
+    for (const JudgedFlight& flight : flights) {
+      const double weight = 100 / static_cast<double>(flight.points.size());
+      for (const JudgedPoint& point : flight.points) {
+        if (!(point.cues.pixel_mm > 0)) continue;
+        const CueLogs& logs = point.around;
+        const Eigen::Vector4d row =
+            Eigen::Array4d(1, logs.stereo, logs.support, -logs.views) * is_free;
+        const double p = 1 / (1 + std::exp(-std::clamp(row.dot(unknowns), -30.0, 30.0)));
+        const double y = 1000 * point.true_error_m > kFailurePx * point.cues.pixel_mm ? 1 : 0;
+        gradient += weight * (y - p) * row;
+        hessian += (weight * p * (1 - p) + 1e-12) * row * row.transpose();
+      }
+    }
+    unknowns += hessian.ldlt().solve(gradient);
+    for (int k = 1; iteration == kIterations / 2 && k < 4; ++k) {
+      if (unknowns[k] < 0) is_free[k] = unknowns[k] = 0;
+    }
+  }
+  model->failure_constant = unknowns[0];
+  model->failure_stereo = std::max(0.0, unknowns[1]);
+  model->failure_support = std::max(0.0, unknowns[2]);
+  model->failure_views = std::max(0.0, unknowns[3]);
+}
+
 }  // namespace
 
 ErrorModel FitErrorModel(const std::vector<JudgedFlight>& flights, const ErrorModel& model) {
@@ -101,6 +130,7 @@ ErrorModel FitErrorModel(const std::vector<JudgedFlight>& flights, const ErrorMo
   fitted.stereo_exponent = unknowns[1] / unknowns[4];
   fitted.support_exponent = unknowns[2] / unknowns[4];
   fitted.views_exponent = unknowns[3] / unknowns[4];
+  FitFailure(flights, &fitted);
   return fitted;
 }
 
@@ -110,6 +140,10 @@ void ReportErrorModel(const std::string& name, const ErrorModel& model, BenchRep
   report->Add(name + ": support_exponent", model.support_exponent, "");
   report->Add(name + ": views_exponent", model.views_exponent, "");
   report->Add(name + ": steepness", model.steepness, "");
+  report->Add(name + ": failure_constant", model.failure_constant, "");
+  report->Add(name + ": failure_stereo", model.failure_stereo, "");
+  report->Add(name + ": failure_support", model.failure_support, "");
+  report->Add(name + ": failure_views", model.failure_views, "");
 }
 
 }  // namespace colmap_ext

@@ -89,6 +89,17 @@ double Unrepresented(const std::vector<SurfaceSample>& samples, const std::vecto
   return count / static_cast<double>(samples.size());
 }
 
+void LookAround(const ErrorModel& model, std::vector<JudgedPoint>* points) {
+  std::vector<Eigen::Vector3d> positions;
+  std::vector<CueLogs> logs;
+  for (const JudgedPoint& judged : *points) {
+    positions.push_back(judged.point.position);
+    logs.push_back(LogsOf(judged.cues, model));
+  }
+  const std::vector<CueLogs> around = MeanLogsAround(positions, logs, model.neighbors);
+  for (std::size_t i = 0; i < around.size(); ++i) (*points)[i].around = around[i];
+}
+
 }  // namespace
 
 double JudgedFlight::FarShare() const {
@@ -129,12 +140,14 @@ JudgedFlight Judge(const Site& site, const FlightModels& models, const CoverageO
                  (samples[nearest].position - point.position).norm(),
                  CuesOf(ViewsOf(point.position, point.normal, photos.photos, centers, engine),
                         point.sample_spacing_m, DegToRad(options.error_model.max_angle_deg)),
+                 {},
                  paper.points[i].coverage,
                  cloud_spacing[i]};
   });
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (map.points[i].coverage != CoverageClass::kIgnored) judged.points.push_back(points[i]);
   }
+  LookAround(options.error_model, &judged.points);
   judged.unrepresented = Unrepresented(samples, map.points, 1.5 * judged.spacing_m);
   return judged;
 }

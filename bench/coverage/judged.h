@@ -13,6 +13,7 @@ struct JudgedPoint {
   double true_error_m = 0;  // of the dense model, over the truth that the point stands for
   double distance_to_truth_m = 0;
   ErrorCues cues;  // what the predicted error was made from
+  CueLogs around;  // and the probability that the final model fails
   // Other rules.
   CoverageClass paper = CoverageClass::kUncovered;  // the paper's classification
   double cloud_spacing_m = 0;  // 1 / sqrt(points an area) of the fast model's cloud around it

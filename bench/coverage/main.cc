@@ -38,7 +38,7 @@ struct BenchOptions {
 // The judged points of one or more flights, as columns.
 struct Columns {
   std::vector<bool> is_bad, is_flagged, is_flagged_by_paper;
-  std::vector<double> predicted_mm, true_mm, spacing, few_views;
+  std::vector<double> doubt, predicted_mm, true_mm, spacing, few_views;
 
   void Add(const JudgedFlight& judged, double bad_mm) {
     for (const JudgedPoint& judged_point : judged.points) {
@@ -46,6 +46,7 @@ struct Columns {
       is_bad.push_back(1000 * judged_point.true_error_m > bad_mm);
       is_flagged.push_back(point.coverage == CoverageClass::kUncovered);
       is_flagged_by_paper.push_back(judged_point.paper == CoverageClass::kUncovered);
+      doubt.push_back(1 - point.score);
       predicted_mm.push_back(point.predicted_error_mm < 0 ? kNoPairMm : point.predicted_error_mm);
       true_mm.push_back(1000 * judged_point.true_error_m);
       spacing.push_back(judged_point.cloud_spacing_m);
@@ -72,8 +73,10 @@ void ReportColumns(const std::string& name, const Columns& columns, bool has_goa
   const auto goal = [&](double value) { return has_goals ? Goal(AtLeast(value)) : std::nullopt; };
   report->Add(name + ": iso-points judged", static_cast<double>(columns.is_bad.size()), "");
   report->Add(name + ": share that is bad", columns.BadShare(), "");
-  report->Add(name + ": AUC of uncovered", AreaUnderCurve(columns.predicted_mm, columns.is_bad), "",
+  report->Add(name + ": AUC of uncovered", AreaUnderCurve(columns.doubt, columns.is_bad), "",
               goal(0.9));
+  report->Add(name + ": AUC by predicted error alone",
+              AreaUnderCurve(columns.predicted_mm, columns.is_bad), "");
   report->Add(name + ": AUC by point density", AreaUnderCurve(columns.spacing, columns.is_bad), "");
   report->Add(name + ": AUC by count of views", AreaUnderCurve(columns.few_views, columns.is_bad),
               "");
@@ -84,6 +87,8 @@ void ReportColumns(const std::string& name, const Columns& columns, bool has_goa
 
 // The other rules, with the thresholds that suit them best in hindsight; the paper's with its own.
 void ReportRivals(const std::string& name, const Columns& columns, BenchReport* report) {
+  ReportFlags(name + ", score at its best", BestFlags(columns.doubt, columns.is_bad), std::nullopt,
+              report);
   ReportFlags(name + ", point density at its best", BestFlags(columns.spacing, columns.is_bad),
               std::nullopt, report);
   ReportFlags(name + ", count of views at its best", BestFlags(columns.few_views, columns.is_bad),
@@ -157,8 +162,9 @@ void Calibrate(const std::vector<std::string>& scenes,
     for (JudgedFlight flight : flights[left_out]) {
       for (JudgedPoint& point : flight.points) {
         point.point.predicted_error_mm = PredictErrorMm(point.cues, fitted);
-        const double predicted_mm = point.point.predicted_error_mm;
-        point.point.coverage = predicted_mm >= 0 && predicted_mm <= options.bad_mm
+        point.point.score = ProbabilityWithin(options.bad_mm, point.point.predicted_error_mm,
+                                              FailureProbability(point.around, fitted), fitted);
+        point.point.coverage = point.point.score >= options.coverage.min_score
                                    ? CoverageClass::kCovered
                                    : CoverageClass::kUncovered;
       }

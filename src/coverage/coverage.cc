@@ -25,8 +25,13 @@ struct Thresholds {
   std::size_t min_good_views = 0;
   double min_cos = 0;  // of the largest angle
   double max_cos = 0;  // of the smallest angle
-  double target_error_mm = 0;
   ErrorModel error_model;
+};
+
+// What is known of an iso-point before its surroundings are looked at.
+struct SeenPoint {
+  bool is_inside = false;  // the region
+  CueLogs logs;
 };
 
 Thresholds MakeThresholds(const CoverageOptions& options, bool has_signal) {
@@ -39,7 +44,6 @@ Thresholds MakeThresholds(const CoverageOptions& options, bool has_signal) {
   limits.min_good_views = static_cast<std::size_t>(options.min_good_views);
   limits.min_cos = std::cos(DegToRad(options.max_angle_deg));
   limits.max_cos = std::cos(DegToRad(options.min_angle_deg));
-  limits.target_error_mm = options.target_error_mm;
   limits.error_model = options.error_model;
   return limits;
 }
@@ -64,29 +68,47 @@ CoverageClass Classify(double sample_spacing_m, const std::vector<ViewOfPoint>& 
                                                                    : CoverageClass::kUncovered;
 }
 
-CoverageClass ClassByError(double predicted_mm, double target_mm) {
-  return predicted_mm >= 0 && predicted_mm <= target_mm ? CoverageClass::kCovered
-                                                        : CoverageClass::kUncovered;
-}
-
-void EvaluatePoint(const std::vector<ViewOfPoint>& views, const Thresholds& limits,
-                   IsoPoint* point) {
+// The paper's class, and the cues of the predicted error.
+SeenPoint LookAt(const std::vector<ViewOfPoint>& views, const Thresholds& limits, IsoPoint* point) {
   std::vector<ViewOfPoint> good_views;
   for (const ViewOfPoint& view : views) {
     point->best_projection_ratio = std::max(point->best_projection_ratio, view.projection_ratio);
     if (view.projection_ratio > limits.min_projection_ratio) good_views.push_back(view);
   }
   point->num_good_views = static_cast<int>(good_views.size());
+  point->coverage = Classify(point->sample_spacing_m, good_views, limits);
   const ErrorModel& model = limits.error_model;
   const double spacing_m = limits.strong_spacing_m > 0 ? point->sample_spacing_m : 0.0;
-  point->predicted_error_mm =
-      PredictErrorMm(CuesOf(views, spacing_m, DegToRad(model.max_angle_deg)), model);
-  point->score =
-      ProbabilityWithin(limits.target_error_mm > 0 ? limits.target_error_mm : kDefaultTargetMm,
-                        point->predicted_error_mm, model);
-  point->coverage = limits.target_error_mm > 0
-                        ? ClassByError(point->predicted_error_mm, limits.target_error_mm)
-                        : Classify(point->sample_spacing_m, good_views, limits);
+  const ErrorCues cues = CuesOf(views, spacing_m, DegToRad(model.max_angle_deg));
+  point->predicted_error_mm = PredictErrorMm(cues, model);
+  return {true, LogsOf(cues, model)};
+}
+
+// Scores, and with a target the classes that follow from them.
+void Score(const std::vector<SeenPoint>& seen, const CoverageOptions& options,
+           std::vector<IsoPoint>* points) {
+  std::vector<std::size_t> inside;
+  std::vector<Eigen::Vector3d> positions;
+  std::vector<CueLogs> logs;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (!seen[i].is_inside) continue;
+    inside.push_back(i);
+    positions.push_back((*points)[i].position);
+    logs.push_back(seen[i].logs);
+  }
+  const ErrorModel& model = options.error_model;
+  const std::vector<CueLogs> around = MeanLogsAround(positions, logs, model.neighbors);
+  const bool has_target = options.target_error_mm > 0;
+  const double target_mm = has_target ? options.target_error_mm : kDefaultTargetMm;
+  for (std::size_t k = 0; k < inside.size(); ++k) {
+    IsoPoint& point = (*points)[inside[k]];
+    point.score = ProbabilityWithin(target_mm, point.predicted_error_mm,
+                                    FailureProbability(around[k], model), model);
+    if (!has_target) continue;
+    point.coverage = point.score >= options.min_score && point.score > 0
+                         ? CoverageClass::kCovered
+                         : CoverageClass::kUncovered;
+  }
 }
 
 }  // namespace
@@ -119,6 +141,7 @@ CoverageMap EvaluateCoverage(const Surface& surface, const std::vector<PosedPhot
   std::vector<Eigen::Vector3d> centers;
   centers.reserve(photos.size());
   for (const PosedPhoto& photo : photos) centers.push_back(CameraCenter(photo.cam_from_world));
+  std::vector<SeenPoint> seen(iso.points.size());
   job.Progress(kStage, 1, 2);
 
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, iso.points.size(), 64),
@@ -130,19 +153,20 @@ CoverageMap EvaluateCoverage(const Surface& surface, const std::vector<PosedPhot
                           point.coverage = CoverageClass::kIgnored;
                           continue;
                         }
-                        EvaluatePoint(
-                            ViewsOf(point.position, point.normal, photos, centers, engine), limits,
-                            &point);
+                        seen[i] =
+                            LookAt(ViewsOf(point.position, point.normal, photos, centers, engine),
+                                   limits, &point);
                       }
                     });
   job.ThrowIfCancelled();
+  Score(seen, options, &iso.points);
   job.Progress(kStage, 2, 2);
 
   CoverageMap map;
   map.points = std::move(iso.points);
   map.disk_area_m2 = iso.disk_area_m2;
   map.min_projection_ratio = limits.min_projection_ratio;
-  map.target_error_mm = limits.target_error_mm;
+  map.target_error_mm = options.target_error_mm;
   return map;
 }
 

@@ -1,9 +1,12 @@
 #include "colmap_ext/coverage/error_model.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "colmap_ext/geom/point_index.h"
 #include "colmap_ext/geom/transforms.h"
 
 namespace colmap_ext {
@@ -42,23 +45,54 @@ ErrorCues CuesOf(const std::vector<ViewOfPoint>& views, double sample_spacing_m,
   return cues;
 }
 
-double PredictErrorMm(const ErrorCues& cues, const ErrorModel& model) {
-  if (cues.num_views < 1 || !(cues.pixel_mm > 0)) return -1;
-  const double stereo_px = cues.stereo_mm < 0
+CueLogs LogsOf(const ErrorCues& cues, const ErrorModel& model) {
+  const bool is_seen = cues.num_views > 0 && cues.pixel_mm > 0;
+  const double stereo_px = !is_seen || cues.stereo_mm < 0
                                ? model.max_stereo_px
                                : std::min(model.max_stereo_px, cues.stereo_mm / cues.pixel_mm);
   const double support_px =
-      cues.support_mm > 0
+      is_seen && cues.support_mm > 0
           ? std::clamp(cues.support_mm / cues.pixel_mm, model.min_support_px, model.max_support_px)
           : model.typical_support_px;
-  return cues.pixel_mm * model.scale * std::pow(stereo_px, model.stereo_exponent) *
-         std::pow(support_px, model.support_exponent) *
-         std::pow(cues.num_views + 1.0, -model.views_exponent);
+  return {std::log(stereo_px), std::log(support_px), std::log(cues.num_views + 1.0)};
 }
 
-double ProbabilityWithin(double target_mm, double predicted_mm, const ErrorModel& model) {
+double PredictErrorMm(const ErrorCues& cues, const ErrorModel& model) {
+  if (cues.num_views < 1 || !(cues.pixel_mm > 0)) return -1;
+  const CueLogs logs = LogsOf(cues, model);
+  return cues.pixel_mm * model.scale *
+         std::exp(model.stereo_exponent * logs.stereo + model.support_exponent * logs.support -
+                  model.views_exponent * logs.views);
+}
+
+std::vector<CueLogs> MeanLogsAround(const std::vector<Eigen::Vector3d>& positions,
+                                    const std::vector<CueLogs>& logs, int neighbors) {
+  std::vector<CueLogs> means(positions.size());
+  if (positions.empty()) return means;
+  const PointIndex index(positions);
+  tbb::parallel_for(std::size_t{0}, positions.size(), [&](std::size_t i) {
+    const auto around = index.NearestOf(positions[i], static_cast<std::size_t>(neighbors));
+    const double share = 1 / static_cast<double>(around.size());
+    for (const PointNeighbor& neighbor : around) {
+      const CueLogs& other = logs[static_cast<std::size_t>(neighbor.index)];
+      means[i].stereo += share * other.stereo;
+      means[i].support += share * other.support;
+      means[i].views += share * other.views;
+    }
+  });
+  return means;
+}
+
+double FailureProbability(const CueLogs& around, const ErrorModel& model) {
+  const double f = model.failure_constant + model.failure_stereo * around.stereo +
+                   model.failure_support * around.support - model.failure_views * around.views;
+  return 1 / (1 + std::exp(-f));
+}
+
+double ProbabilityWithin(double target_mm, double predicted_mm, double failure,
+                         const ErrorModel& model) {
   if (predicted_mm < 0) return 0;
-  return 1 / (1 + std::pow(predicted_mm / target_mm, model.steepness));
+  return (1 - failure) / (1 + std::pow(predicted_mm / target_mm, model.steepness));
 }
 
 std::string ErrorModel::Check() const {
@@ -69,6 +103,11 @@ std::string ErrorModel::Check() const {
   }
   if (!(views_exponent >= 0)) return prefix + "views_exponent must be >= 0";
   if (!(steepness > 0)) return prefix + "steepness must be above 0";
+  if (!std::isfinite(failure_constant)) return prefix + "failure_constant must be a number";
+  if (!(failure_stereo >= 0 && failure_support >= 0 && failure_views >= 0)) {
+    return prefix + "failure_stereo, failure_support and failure_views must be >= 0";
+  }
+  if (neighbors < 1 || neighbors > 1000) return prefix + "neighbors must be in 1 … 1000";
   if (!(max_angle_deg > 0 && max_angle_deg <= 180)) {
     return prefix + "max_angle_deg must be in (0, 180]";
   }
@@ -94,6 +133,16 @@ void BindOptions(OptionSet& set, ErrorModel* model) {
           "how the error falls with the number of views, >= 0");
   set.Add(section, "steepness", &model->steepness,
           "of the probability that the error is within the target, > 0");
+  set.Add(section, "failure_constant", &model->failure_constant,
+          "log-odds that the final model fails where stereo and support are one pixel");
+  set.Add(section, "failure_stereo", &model->failure_stereo,
+          "how these grow with the logarithm of the error of the best pair of views, >= 0");
+  set.Add(section, "failure_support", &model->failure_support,
+          "how these grow with the logarithm of the spacing of the points, >= 0");
+  set.Add(section, "failure_views", &model->failure_views,
+          "how these fall with the logarithm of the number of views + 1, >= 0");
+  set.Add(section, "neighbors", &model->neighbors,
+          "iso-points over which these logarithms are averaged (1 … 1000)");
   set.Add(section, "max_angle_deg", &model->max_angle_deg,
           "largest angle of a pair of views, degrees");
   set.Add(section, "max_stereo_px", &model->max_stereo_px,

@@ -24,6 +24,7 @@ std::string CoverageOptions::Check() const {
   if (!(target_error_mm >= 0) || !std::isfinite(target_error_mm)) {
     return prefix + "target_error_mm must be >= 0 (mm; 0: no such target)";
   }
+  if (!(min_score >= 0 && min_score <= 1)) return prefix + "min_score must be in 0 … 1";
   const std::string complaint = visibility.Check();
   return complaint.empty() ? error_model.Check() : prefix + complaint;
 }
@@ -55,7 +56,10 @@ void BindOptions(OptionSet& set, CoverageOptions* options) {
           "distance of the samples of the surface, metres; 0: about 7500 samples");
   set.Add(section, "seed", &options->seed, "seed of the samples");
   set.Add(section, "target_error_mm", &options->target_error_mm,
-          "points with a larger predicted error are uncovered, mm; 0: views and angles decide");
+          "covered is where the final model should be right to so much, mm; 0: views and angles "
+          "decide");
+  set.Add(section, "min_score", &options->min_score,
+          "with a target: the probability that is enough, 0 to 1");
   set.Add(section, "epsilon_m", &options->visibility.epsilon_m,
           "roughness of the surface that hides nothing, metres; 0: from the mesh");
   set.Add(section, "max_incidence_deg", &options->visibility.max_incidence_deg,
@@ -73,6 +77,7 @@ std::map<std::string, double> ThresholdsOf(const CoverageOptions& options) {
           {"strong_spacing_m", options.StrongSpacing()},
           {"unsupported_spacing_m", options.unsupported_spacing_m},
           {"target_error_mm", options.target_error_mm},
+          {"min_score", options.min_score},
           {"max_incidence_deg", options.visibility.max_incidence_deg}};
 }
 

@@ -111,10 +111,43 @@ TEST(PredictErrorMm, AViewMoreNeverMakesItWorse) {
 
 TEST(ProbabilityWithin, IsOneHalfAtThePredictionAndGrowsWithTheTarget) {
   const ErrorModel model;
-  EXPECT_EQ(ProbabilityWithin(50, 50, model), 0.5);
-  EXPECT_GT(ProbabilityWithin(100, 50, model), 0.7);
-  EXPECT_LT(ProbabilityWithin(25, 50, model), 0.3);
-  EXPECT_EQ(ProbabilityWithin(50, -1, model), 0);
+  EXPECT_EQ(ProbabilityWithin(50, 50, 0, model), 0.5);
+  EXPECT_GT(ProbabilityWithin(100, 50, 0, model), 0.7);
+  EXPECT_LT(ProbabilityWithin(25, 50, 0, model), 0.3);
+  EXPECT_EQ(ProbabilityWithin(50, -1, 0, model), 0);
+  EXPECT_EQ(ProbabilityWithin(50, 50, 0.4, model), 0.3);
+  EXPECT_EQ(ProbabilityWithin(1e9, 1, 1, model), 0);
+}
+
+TEST(FailureProbability, FollowsItsEquation) {
+  const ErrorModel model;
+  const CueLogs around{std::log(8), std::log(5), std::log(4)};
+  const double odds = std::exp(model.failure_constant) * std::pow(8, model.failure_stereo) *
+                      std::pow(5, model.failure_support) * std::pow(4, -model.failure_views);
+  EXPECT_NEAR(FailureProbability(around, model), odds / (1 + odds), 1e-12);
+}
+
+TEST(FailureProbability, GrowsWithWeakStereoAndFallsWithViews) {
+  const ErrorModel model;
+  const CueLogs around{1.5, 1.5, 1.5};
+  const double failure = FailureProbability(around, model);
+  EXPECT_GT(FailureProbability({2.5, 1.5, 1.5}, model), failure);
+  EXPECT_GT(FailureProbability({1.5, 2.5, 1.5}, model), failure);
+  EXPECT_LT(FailureProbability({1.5, 1.5, 2.5}, model), failure);
+}
+
+TEST(MeanLogsAround, TakesTheNearestAndItself) {
+  const std::vector<Eigen::Vector3d> line = {{0, 0, 0}, {1, 0, 0}, {2.5, 0, 0}, {100, 0, 0}};
+  const std::vector<CueLogs> logs = {{3, 0, 6}, {6, 3, 0}, {9, 6, 3}, {30, 30, 30}};
+  const std::vector<CueLogs> means = MeanLogsAround(line, logs, 3);
+  EXPECT_NEAR(means[0].stereo, 6, 1e-12);
+  EXPECT_NEAR(means[0].support, 3, 1e-12);
+  EXPECT_NEAR(means[0].views, 3, 1e-12);
+  EXPECT_NEAR(means[3].stereo, 15, 1e-12);
+  // One neighbour is the place itself; more than there are is all of them.
+  EXPECT_NEAR(MeanLogsAround(line, logs, 1)[2].stereo, 9, 1e-12);
+  EXPECT_NEAR(MeanLogsAround(line, logs, 50)[1].stereo, 12, 1e-12);
+  EXPECT_TRUE(MeanLogsAround({}, {}, 5).empty());
 }
 
 TEST(ErrorModel, WrongConstantsAreNamed) {
@@ -128,6 +161,7 @@ TEST(ErrorModel, WrongConstantsAreNamed) {
   EXPECT_THAT(complaint(&ErrorModel::support_exponent, 0.9), ::testing::HasSubstr("at most 1"));
   EXPECT_THAT(complaint(&ErrorModel::views_exponent, -1), ::testing::HasSubstr("views_exponent"));
   EXPECT_THAT(complaint(&ErrorModel::steepness, 0), ::testing::HasSubstr("steepness"));
+  EXPECT_THAT(complaint(&ErrorModel::failure_views, -1), ::testing::HasSubstr("failure_views"));
   EXPECT_THAT(complaint(&ErrorModel::max_angle_deg, 200), ::testing::HasSubstr("max_angle_deg"));
   EXPECT_THAT(complaint(&ErrorModel::max_stereo_px, 0), ::testing::HasSubstr("max_stereo_px"));
   EXPECT_THAT(complaint(&ErrorModel::max_support_px, 0.1), ::testing::HasSubstr("at least"));

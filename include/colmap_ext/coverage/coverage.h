@@ -41,9 +41,11 @@ struct CoverageOptions {
   // Distance of the iso-points, metres, >= 0; 0: about 7500 points.
   double iso_point_spacing_m = 0;
   std::uint64_t seed = 1;  // of the iso-points
-  // A point whose predicted error is larger (or that no photo sees) is uncovered, mm, >= 0. 0: the
+  // A point is covered where the final model is expected to be right to so much, mm, >= 0. 0: the
   // thresholds above decide, as in the paper.
   double target_error_mm = 0;
+  // With a target: the probability that is enough, 0 … 1.
+  double min_score = 0.5;
   ErrorModel error_model;
   VisibilityOptions visibility;
 
@@ -72,15 +74,16 @@ std::vector<ViewOfPoint> ViewsOf(const Eigen::Vector3d& position, const Eigen::V
 //   fewer than min_good_views views with γ > γ_min       → uncovered
 //   no pair of good views with an angle in [min, max]    → uncovered
 //   else                                                 → covered
-// With a target_error_mm, inside the region the predicted error alone decides.
+// With a target_error_mm, inside the region the score alone decides: covered where it is at least
+// min_score, and some photo sees the point.
 // A view of a point is one that VisibilityEngine passes. A surface whose sample_spacing_m is empty
 // has no signal: that stage is skipped. predicted_error_mm uses all views of the point, good or
 // not; score is the probability that the true error is within target_error_mm (2 inches when it is
-// 0).
+// 0), with what is known of the neighbouring iso-points (ErrorModel).
 //
-// With the same surface, a photo more never turns a covered point uncovered. Parallel over points;
-// same input, same map, whatever the number of threads. Throws UsageError for wrong options, Error
-// for a surface without area.
+// With the same surface and no target, a photo more never turns a covered point uncovered. Parallel
+// over points; same input, same map, whatever the number of threads. Throws UsageError for wrong
+// options, Error for a surface without area.
 CoverageMap EvaluateCoverage(const Surface& surface, const std::vector<PosedPhoto>& photos,
                              const RegionOfInterest& region, const CoverageOptions& options,
                              const JobControl& job);

@@ -41,29 +41,44 @@ struct ErrorCues {
 ErrorCues CuesOf(const std::vector<ViewOfPoint>& views, double sample_spacing_m,
                  double max_angle_rad);
 
-// Median of the true error, in pixels p of the best view:
+// Two things can go wrong at a place. The final model can be there and err; the median of that
+// error, in pixels p of the best view, is
 //
 //   ê / p = scale · (stereo / p)^a · (support / p)^b · (num_views + 1)^−c
 //
-// and the probability that the true error is at most t: 1 / (1 + (ê / t)^κ). stereo / p counts as
+// and the probability that it is at most t: 1 / (1 + (ê / t)^κ). stereo / p counts as
 // max_stereo_px at most, also for a place without a pair; support / p as min_ … max_support_px, and
 // typical_support_px where it is unknown. As a, b, c >= 0 and a + b <= 1, a view more never makes
 // it worse.
 //
+// Or the final model can fail there: have no surface, or one elsewhere. The probability of that is
+//
+//   1 / (1 + exp(−f)),  f = failure_constant + failure_stereo · ln(stereo / p)
+//                           + failure_support · ln(support / p) − failure_views · ln(num_views + 1)
+//
+// with the mean of each logarithm over the place and its surroundings (`neighbors` iso-points), for
+// matching windows and the final surface mix neighbours.
+//
 // The constants are those that predict the errors of the built-in dense reconstruction best
-// (logistic regression over eight thresholds from 0.1 to 4 px at once; docs/algorithms.md,
-// "Predicted error", names the flights). `bench_coverage --calibrate 1` fits them anew.
+// (logistic regressions: ê over eight thresholds from 0.1 to 4 px at once, f for 6 px;
+// docs/algorithms.md, "Predicted error", names the flights). `bench_coverage --calibrate 1` fits
+// them anew.
 struct ErrorModel {
   double scale = 0.267;             // > 0
   double stereo_exponent = 0.249;   // a, >= 0
   double support_exponent = 0.237;  // b, >= 0; a + b <= 1
   double views_exponent = 0;        // c, >= 0; beside stereo and support the count tells no more
   double steepness = 2.59;          // κ, > 0
-  double max_angle_deg = 40;        // of a pair, (0, 180]; DenseStereo.max_angle_deg
-  double max_stereo_px = 33;        // > 0
-  double min_support_px = 0.37;     // > 0
-  double max_support_px = 148;      // >= min_support_px
-  double typical_support_px = 4;    // > 0; the median of flights that are dense enough
+  double failure_constant = -6.5;
+  double failure_stereo = 1.3;    // >= 0
+  double failure_support = 0.5;   // >= 0
+  double failure_views = 1.0;     // >= 0
+  int neighbors = 15;             // iso-points, itself among them, 1 … 1000
+  double max_angle_deg = 40;      // of a pair, (0, 180]; DenseStereo.max_angle_deg
+  double max_stereo_px = 33;      // > 0
+  double min_support_px = 0.37;   // > 0
+  double max_support_px = 148;    // >= min_support_px
+  double typical_support_px = 4;  // > 0; the median of flights that are dense enough
 
   std::string Check() const;
 };
@@ -74,8 +89,25 @@ void BindOptions(OptionSet& set, ErrorModel* model);
 // ê in millimetres; -1 when no photo sees the place.
 double PredictErrorMm(const ErrorCues& cues, const ErrorModel& model);
 
-// Probability that the true error is at most `target_mm` (> 0) where `predicted_mm` is predicted; 0
-// for a negative prediction.
-double ProbabilityWithin(double target_mm, double predicted_mm, const ErrorModel& model);
+// Natural logarithms of the cues as both equations take them: bounded, in pixels of the best view.
+struct CueLogs {
+  double stereo = 0;
+  double support = 0;
+  double views = 0;  // of num_views + 1
+};
+CueLogs LogsOf(const ErrorCues& cues, const ErrorModel& model);
+
+// The mean of each logarithm over the `neighbors` nearest positions, itself among them. One entry a
+// position.
+std::vector<CueLogs> MeanLogsAround(const std::vector<Eigen::Vector3d>& positions,
+                                    const std::vector<CueLogs>& logs, int neighbors);
+
+// Probability that the final model fails where these are the means (MeanLogsAround).
+double FailureProbability(const CueLogs& around, const ErrorModel& model);
+
+// Probability that the final model is there and errs by at most `target_mm` (> 0), where
+// `predicted_mm` is predicted and it fails with `failure`; 0 for a negative prediction.
+double ProbabilityWithin(double target_mm, double predicted_mm, double failure,
+                         const ErrorModel& model);
 
 }  // namespace colmap_ext

@@ -110,14 +110,15 @@ std::string NextSteps(const SessionInputs& inputs, const StageOptions& options,
   if (!by_hand || !summary.finished.empty() || summary.iterations.empty()) return "";
   const Workspace workspace(inputs.workspace_path);
   const IterationFiles files{workspace.iteration(static_cast<int>(summary.iterations.size()) - 1)};
-  if (!std::filesystem::exists(files.mission_plan())) return "";
-  return "Next: look at " + (workspace.report() / "index.html").string() + ", fly " +
-         files.mission_plan().string() + ", put the new photos\ninto " +
-         inputs.image_path.string() +
-         " and run the same command again. The plan counts heights from the lowest ground of\n"
-         "the site; when the take-off place is at another height, export it by mission_exporter "
-         "with\n"
-         "--Mission.home_below_origin_m.\n";
+  const std::string page = (workspace.report() / "index.html").string();
+  const std::string again = "put the new photos\ninto " + inputs.image_path.string() +
+                            " and run the same command again.\n";
+  if (std::filesystem::exists(files.mission_plan())) {
+    return "Next: look at " + page + ", fly " + files.mission_plan().string() + ", " + again;
+  }
+  return "Next: look at " + page +
+         ", make a mission file by mission_exporter with\n--Mission.home_below_origin_m, fly it, " +
+         again;
 }
 
 int RunWithPage(SessionInputs inputs, const StageOptions& options, const CaptureOptions& capture,

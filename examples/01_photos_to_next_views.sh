@@ -17,8 +17,10 @@ for i in range(32):
 PY
 colmap_ext scene_renderer --scene gate --pose_list_path "$work/poses.txt" --output_path "$work/render"
 
-# 2. One call: sparse model, mesh, coverage, next views, path, mission.
-colmap_ext active_capture --workspace_path "$work/site" --image_path "$work/render/images"
+# 2. One call: sparse model, mesh, coverage, next views, path, mission. The photos were taken 15 m above
+#    the take-off place; DJI's drones write that into their photos, these do not say it.
+colmap_ext active_capture --workspace_path "$work/site" --image_path "$work/render/images" \
+  --Mission.home_below_origin_m 15
 
 # 3. What a person would look at.
 cat "$work/site/iterations/000/coverage.json"

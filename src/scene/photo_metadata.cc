@@ -138,6 +138,7 @@ PhotoMetadata MetadataFromImage(const Exiv2::Image& image) {
                                   ExifText(exif, "Exif.Photo.SubSecTimeOriginal"));
   ReadDirection(exif, image.xmpData(), &metadata);
   ReadAccuracy(exif, image.xmpData(), &metadata);
+  metadata.relative_height_m = XmpNumber(image.xmpData(), "Xmp.drone-dji.RelativeAltitude");
   return metadata;
 }
 

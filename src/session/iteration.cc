@@ -32,6 +32,7 @@
 #include "session/arbitrary_frame.h"
 #include "session/open_session.h"
 #include "session/pictures.h"
+#include "session/take_off_height.h"
 
 namespace colmap_ext {
 namespace {
@@ -220,8 +221,19 @@ void WriteMission(const IterationContext& context, const SessionState& state, co
   }
   MissionOptions options = context.options->mission;
   if (options.home_lat_deg == 0 && options.home_lon_deg == 0 && options.home_below_origin_m == 0) {
-    // The take-off place is not known: take the lowest ground of the region for its height.
-    options.home_below_origin_m = -state.region->box.min().z();
+    // A simulated vehicle stands on the lowest ground. Of a real one only its photos can tell: a
+    // plan with wrong heights would be flown into the ground.
+    const auto below_m = context.truth != nullptr
+                             ? std::optional(-state.region->box.min().z())
+                             : TakeOffBelowOrigin(work.photos, context.sparse.image_path);
+    if (!below_m) {
+      job.Warn(
+          "no mission file: the photos do not say how high above the take-off place they were "
+          "taken; say how far it lies below the first photo by --Mission.home_below_origin_m, here "
+          "or to mission_exporter");
+      return;
+    }
+    options.home_below_origin_m = *below_m;
   }
   WriteFileAtomically(work.files.mission_plan(), QgcPlan(work.path, work.sparse.frame, options));
 }

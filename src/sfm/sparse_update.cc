@@ -18,6 +18,7 @@
 #include "match_stage.h"
 #include "pair_stage.h"
 #include "photo_catalog.h"
+#include "point_colors.h"
 #include "sub_model.h"
 #include "update_database.h"
 #include "view_places.h"
@@ -148,6 +149,7 @@ class Updater {
     GeoregisterStep();
     AdjustStep();
     FillReport();
+    ColorPoints(input_.image_path, result_.newly_registered, &result_.model);
     SaveStep(&databases);
     return std::move(result_);
   }

@@ -224,11 +224,13 @@ TEST(PhotoMetadata, AccuracyOfThePosition) {
   std::string xmp = GimbalXmp("+10.00", "-20.00");
   xmp.insert(xmp.find("drone-dji:Gimbal"),
              "drone-dji:RtkStdLon=\"0.012\" drone-dji:RtkStdLat=\"0.015\" "
-             "drone-dji:RtkStdHgt=\"0.03\" ");
+             "drone-dji:RtkStdHgt=\"0.03\" drone-dji:RelativeAltitude=\"+134.20\" ");
   WriteWithTags(folder / "rtk.jpg", 64, 36, phone, xmp);
   const PhotoMetadata rtk = ReadPhotoMetadata(folder / "rtk.jpg");
   EXPECT_EQ(rtk.gps_sigma_horizontal_m, 0.015);
   EXPECT_EQ(rtk.gps_sigma_vertical_m, 0.03);
+  EXPECT_EQ(rtk.relative_height_m, 134.2);
+  EXPECT_FALSE(metadata.relative_height_m);
 }
 
 TEST(PhotoMetadata, AMagneticHeadingIsNotTaken) {

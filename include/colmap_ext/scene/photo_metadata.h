@@ -34,6 +34,8 @@ struct PhotoMetadata {
   // (the vertical one is then taken as twice the horizontal one).
   std::optional<double> gps_sigma_horizontal_m;
   std::optional<double> gps_sigma_vertical_m;
+  // Above the place of take-off, metres: DJI's RelativeAltitude.
+  std::optional<double> relative_height_m;
   std::string
       capture_time;  // ISO 8601 without zone, "2021-08-20T07:34:45" or with ".123"; empty: unknown
 };
@@ -47,10 +49,10 @@ PhotoMetadata ReadPhotoMetadata(const std::filesystem::path& path);
 std::map<std::string, PhotoMetadata> ReadFolderMetadata(const std::filesystem::path& folder);
 
 // The bytes of a JPEG, PNG or TIFF file with `metadata` written into its EXIF; other tags are kept,
-// fields that are not set are left alone; width, height, roll and accuracies are not used. Position
-// comes back within 0.1 mm, focal_px within 1e-4 px when the camera model is one whose sensor width
-// we know (kSimulatedModel is one), else within the 1 mm of FocalLengthIn35mmFilm. Throws Error
-// when the picture or a value cannot be written.
+// fields that are not set are left alone; width, height, roll, accuracies and relative_height_m are
+// not used. Position comes back within 0.1 mm, focal_px within 1e-4 px when the camera model is one
+// whose sensor width we know (kSimulatedModel is one), else within the 1 mm of
+// FocalLengthIn35mmFilm. Throws Error when the picture or a value cannot be written.
 std::string WithPhotoMetadata(const std::string& picture_bytes, const PhotoMetadata& metadata);
 
 // The same for a file, replaced atomically.

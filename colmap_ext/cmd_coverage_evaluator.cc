@@ -17,11 +17,11 @@
 namespace colmap_ext {
 namespace {
 
-struct Paths {
+struct CoverageEvaluatorPaths {
   std::filesystem::path workspace, input, mesh, output;
 };
 
-void CheckPaths(const Paths& paths) {
+void CheckPaths(const CoverageEvaluatorPaths& paths) {
   RequireWorkspaceOrFiles(
       paths.workspace,
       {{"input_path", paths.input}, {"mesh_path", paths.mesh}, {"output_path", paths.output}});
@@ -116,7 +116,8 @@ ProgramLog::Json RunInWorkspace(const Workspace& workspace, const Options& optio
       {files.coverage_ply(), files.coverage_json(), files.folder / "coverage_map.png"}, job);
 }
 
-ProgramLog::Json RunOnFiles(const Paths& paths, const Options& options, const JobControl& job) {
+ProgramLog::Json RunOnFiles(const CoverageEvaluatorPaths& paths, const Options& options,
+                            const JobControl& job) {
   RequireFolder(paths.input, "sparse model");
   const PhotoSet photos = LoadPosesOnly(paths.input, options.max_width_px);
   const WorldFrame frame = FrameOfModel(paths.input);
@@ -141,7 +142,7 @@ int RunCoverageEvaluator(const Arguments& arguments, Program& program) {
       "z up, with any PLY mesh or point cloud of the scene (a fast or a dense one); "
       "coverage.ply, coverage.json and coverage_map.png, the map from above with its world file, "
       "go to the output folder.");
-  Paths paths;
+  CoverageEvaluatorPaths paths;
   Options options;
   line.options().Add("", "workspace_path", &paths.workspace, "folder of a session");
   line.options().Add("", "input_path", &paths.input, "folder of a sparse model");

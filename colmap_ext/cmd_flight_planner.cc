@@ -16,13 +16,13 @@
 namespace colmap_ext {
 namespace {
 
-struct Inputs {
+struct FlightPlannerInputs {
   std::filesystem::path workspace, mesh, polygon, frame, views, output;
   double min_z_m = 0;
   double max_z_m = 10;
 };
 
-void BindInputs(OptionSet& set, Inputs* inputs) {
+void BindInputs(OptionSet& set, FlightPlannerInputs* inputs) {
   set.Add("", "workspace_path", &inputs->workspace, "session: around its region of interest");
   set.Add("", "mesh_path", &inputs->mesh, "PLY of a model: around its bounds, or checked against");
   set.Add("", "polygon_path", &inputs->polygon, "GeoJSON: around its first polygon");
@@ -33,7 +33,7 @@ void BindInputs(OptionSet& set, Inputs* inputs) {
   set.Add("", "output_path", &inputs->output, "path.json to write");
 }
 
-WorldFrame FrameOf(const Inputs& inputs) {
+WorldFrame FrameOf(const FlightPlannerInputs& inputs) {
   if (!inputs.frame.empty()) return ReadWorldFrame(inputs.frame);
   if (!inputs.workspace.empty()) {
     return FrameOrMetric(LatestIterationFiles(Workspace(inputs.workspace)).frame_json());
@@ -41,7 +41,8 @@ WorldFrame FrameOf(const Inputs& inputs) {
   return {true, std::nullopt};
 }
 
-PatternSite SiteOf(const Inputs& inputs, const RegionOptions& region, const WorldFrame& frame) {
+PatternSite SiteOf(const FlightPlannerInputs& inputs, const RegionOptions& region,
+                   const WorldFrame& frame) {
   if (!region.box.empty()) return SiteOfBox(ParseBox(region.box));
   if (!inputs.polygon.empty()) {
     const FlightLimits polygons = ReadFlightLimits(inputs.polygon, frame);
@@ -77,7 +78,7 @@ std::vector<PlannedView> AllowedViews(const std::vector<PlannedView>& views,
 }
 
 // Says what a pattern does not prove by itself.
-void CheckPath(const Inputs& inputs, const PathOptions& options, const JobControl& job,
+void CheckPath(const FlightPlannerInputs& inputs, const PathOptions& options, const JobControl& job,
                FlightPath* path) {
   std::vector<Eigen::Vector3d> line;
   for (const Waypoint& waypoint : path->waypoints) line.push_back(waypoint.position);
@@ -109,7 +110,7 @@ int RunFlightPlanner(const Arguments& arguments, Program& program) {
                    "(--RegionOfInterest.box), a polygon, the region of a session, or a model: "
                    "views.json and path.json. Photos by overlap, or by count "
                    "(--Pattern.num_views).");
-  Inputs inputs;
+  FlightPlannerInputs inputs;
   FlightPatternOptions pattern;
   RegionOptions region;
   PathOptions options;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kFormats = "qgc_plan, wpl, dji_wpml, litchi, kml, geojson or json";
 
-struct Paths {
+struct MissionExporterPaths {
   std::filesystem::path workspace, input, frame, limits, output;
 };
 
@@ -56,7 +56,7 @@ std::filesystem::path NumberedPath(const std::filesystem::path& path, std::size_
   return numbered;
 }
 
-void TakeFromWorkspace(CommandLine* line, Paths* paths) {
+void TakeFromWorkspace(CommandLine* line, MissionExporterPaths* paths) {
   if (!paths->input.empty() || !paths->frame.empty()) {
     throw UsageError("give either --workspace_path, or --input_path and --frame_path");
   }
@@ -75,7 +75,7 @@ int RunMissionExporter(const Arguments& arguments, Program& program) {
       "Writes a path as a mission file. --workspace_path: the path of the newest iteration; else "
       "--input_path path.json and --frame_path frame.json. A path of several batteries' flights "
       "becomes several files, name_1 …, in the formats that a vehicle flies.");
-  Paths paths;
+  MissionExporterPaths paths;
   std::string format = "qgc_plan";
   int flight = 0;
   MissionOptions options;

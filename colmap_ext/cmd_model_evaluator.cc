@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Paths {
+struct ModelEvaluatorPaths {
   fs::path workspace;
   fs::path mesh;
   fs::path depth;
@@ -39,7 +39,7 @@ struct Paths {
   fs::path histogram;
 };
 
-void AddPaths(OptionSet& set, Paths* paths) {
+void AddPaths(OptionSet& set, ModelEvaluatorPaths* paths) {
   set.Add("", "workspace_path", &paths->workspace,
           "a session: its last surface, sparse model and output folder, unless given below");
   set.Add("", "mesh_path", &paths->mesh,
@@ -65,7 +65,7 @@ void AddPaths(OptionSet& set, Paths* paths) {
   set.Add("", "histogram_path", &paths->histogram, "picture to write (PNG): histogram of errors");
 }
 
-void FillFromWorkspace(Paths* paths) {
+void FillFromWorkspace(ModelEvaluatorPaths* paths) {
   if (paths->workspace.empty()) return;
   RequireFolder(paths->workspace, "workspace");
   const Workspace workspace(paths->workspace);
@@ -107,12 +107,12 @@ TriangleMesh ReadModel(const fs::path& path, const std::string& what) {
 }
 
 // The sparse model of --input_path, when there is one.
-std::optional<Reconstruction> ReadSparseModel(const Paths& paths) {
+std::optional<Reconstruction> ReadSparseModel(const ModelEvaluatorPaths& paths) {
   if (paths.input.empty()) return std::nullopt;
   return ReadReconstruction(paths.input);
 }
 
-std::vector<CameraPair> ReadCameraPairs(const Paths& paths,
+std::vector<CameraPair> ReadCameraPairs(const ModelEvaluatorPaths& paths,
                                         const std::optional<Reconstruction>& sparse) {
   if (paths.camera.empty()) return {};
   RequireOption(paths.input, "input_path");
@@ -175,7 +175,7 @@ void CountSeen(const std::optional<Reconstruction>& sparse, const TriangleMesh& 
 
 void WritePictures(const TriangleMesh& aligned, const TriangleMesh& truth,
                    const EvaluationResult& result, const EvaluationOptions& options,
-                   const Paths& paths) {
+                   const ModelEvaluatorPaths& paths) {
   const double max_error_m = 2 * options.ThresholdsM().back();
   if (!paths.error_mesh.empty()) {
     WriteMesh(aligned, ErrorColors(DistancesTo(truth, aligned.vertices), max_error_m),
@@ -195,7 +195,8 @@ void WritePictures(const TriangleMesh& aligned, const TriangleMesh& truth,
   }
 }
 
-void EvaluateMesh(const Paths& paths, const EvaluationOptions& options, const JobControl& job) {
+void EvaluateMesh(const ModelEvaluatorPaths& paths, const EvaluationOptions& options,
+                  const JobControl& job) {
   const TriangleMesh model = ReadModel(paths.mesh, "mesh");
   const TriangleMesh truth = ReadModel(paths.ground_truth, "ground truth");
   const std::optional<Reconstruction> sparse = ReadSparseModel(paths);
@@ -222,7 +223,7 @@ void EvaluateMesh(const Paths& paths, const EvaluationOptions& options, const Jo
 }  // namespace
 
 int RunModelEvaluator(const Arguments& arguments, Program& program) {
-  Paths paths;
+  ModelEvaluatorPaths paths;
   EvaluationOptions options;
   CommandLine line("model_evaluator",
                    "Aligns a mesh or cloud to its ground truth (by cameras when their true poses "

@@ -13,11 +13,11 @@
 namespace colmap_ext {
 namespace {
 
-struct Paths {
+struct PathPlannerPaths {
   std::filesystem::path workspace, input, mesh, views, output;
 };
 
-void CheckPaths(const Paths& paths) {
+void CheckPaths(const PathPlannerPaths& paths) {
   RequireWorkspaceOrFiles(paths.workspace, {{"input_path", paths.input},
                                             {"mesh_path", paths.mesh},
                                             {"views_path", paths.views},
@@ -65,7 +65,7 @@ int RunPathPlanner(const Arguments& arguments, Program& program) {
                    "iteration. Else from a sparse model in metres (--input_path), its surface "
                    "(--mesh_path) and views (--views_path) to path.json (--output_path). The path "
                    "starts at the last photo, or at --start.");
-  Paths paths;
+  PathPlannerPaths paths;
   PathOptions options;
   std::string start_text;
   line.options().Add("", "workspace_path", &paths.workspace, "folder of a session");

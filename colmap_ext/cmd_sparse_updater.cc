@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Inputs {
+struct SparseUpdaterInputs {
   fs::path workspace_path;
   fs::path database_path, image_path, input_path, sparse_path, output_path;
   fs::path geo_path, pose_prior_path, colmap_path;
@@ -33,7 +33,7 @@ struct Places {
   fs::path timing;  // empty: not written
 };
 
-void BindInputs(OptionSet& set, Inputs* inputs) {
+void BindInputs(OptionSet& set, SparseUpdaterInputs* inputs) {
   set.Add("", "workspace_path", &inputs->workspace_path,
           "workspace: its photos and database, its newest model; the result is a new iteration");
   set.Add("", "image_path", &inputs->image_path, "folder of the photos");
@@ -72,7 +72,7 @@ std::vector<double> ParseNumbers(const std::string& text) {
   return numbers;
 }
 
-std::optional<Camera> ParseCamera(const Inputs& inputs) {
+std::optional<Camera> ParseCamera(const SparseUpdaterInputs& inputs) {
   if (inputs.camera_params.empty()) {
     if (inputs.camera_model.empty()) return std::nullopt;
     throw UsageError("--camera_model needs --camera_params");
@@ -116,7 +116,7 @@ Places PlacesInWorkspace(const Workspace& workspace) {
   return places;
 }
 
-Places PlacesFromPaths(const Inputs& inputs) {
+Places PlacesFromPaths(const SparseUpdaterInputs& inputs) {
   Places places;
   if (!inputs.input_path.empty()) {
     places.input_model = inputs.input_path;
@@ -135,7 +135,7 @@ Places PlacesFromPaths(const Inputs& inputs) {
 }
 
 // The database is updated in place only when told to, or when it is the output's own.
-void SetDatabase(const Inputs& inputs, SparseUpdateInput* input) {
+void SetDatabase(const SparseUpdaterInputs& inputs, SparseUpdateInput* input) {
   const fs::path own = inputs.output_path / "database.db";
   input->database_path = own;
   if (inputs.database_path.empty()) return;
@@ -155,13 +155,13 @@ void SetDatabase(const Inputs& inputs, SparseUpdateInput* input) {
 }
 
 // One name for the model.
-void JoinNames(Inputs* inputs) {
+void JoinNames(SparseUpdaterInputs* inputs) {
   if (inputs->sparse_path.empty()) return;
   if (!inputs->input_path.empty()) throw UsageError("give --sparse_path or --input_path, not both");
   inputs->input_path = inputs->sparse_path;
 }
 
-void CheckPaths(const Inputs& inputs) {
+void CheckPaths(const SparseUpdaterInputs& inputs) {
   if (!inputs.workspace_path.empty()) {
     if (!inputs.input_path.empty() || !inputs.output_path.empty() ||
         !inputs.database_path.empty()) {
@@ -176,7 +176,7 @@ void CheckPaths(const Inputs& inputs) {
   if (!inputs.input_path.empty()) RequireOption(inputs.database_path, "database_path");
 }
 
-SparseUpdateInput UpdateInputFor(const Inputs& inputs) {
+SparseUpdateInput UpdateInputFor(const SparseUpdaterInputs& inputs) {
   SparseUpdateInput input;
   const Workspace workspace(inputs.workspace_path);
   const bool in_workspace = !inputs.workspace_path.empty();
@@ -240,7 +240,7 @@ int RunSparseUpdater(const Arguments& arguments, Program& program) {
       "and --sparse_path; nothing of it is changed: the new model and the updated copy of "
       "the database go to --output_path (or, with --update_database 1, the database is "
       "replaced in one step where it is).");
-  Inputs inputs;
+  SparseUpdaterInputs inputs;
   SparseUpdateOptions options;
   BindInputs(line.options(), &inputs);
   BindOptions(line.options(), &options);

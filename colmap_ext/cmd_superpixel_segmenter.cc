@@ -17,13 +17,13 @@
 namespace colmap_ext {
 namespace {
 
-struct Paths {
+struct SuperpixelSegmenterPaths {
   std::filesystem::path workspace;
   std::filesystem::path images;
   std::filesystem::path output;
 };
 
-void CompletePaths(Paths* paths) {
+void CompletePaths(SuperpixelSegmenterPaths* paths) {
   if (!paths->workspace.empty()) {
     RequireFolder(paths->workspace, "workspace");
     const Workspace workspace(paths->workspace);
@@ -62,7 +62,7 @@ int RunSuperpixelSegmenter(const Arguments& arguments, Program& program) {
       "Splits photos into convex polygons that follow their line segments, and these into "
       "triangles. Writes <name>.png (the mesh over the photo) and <name>.ply (vertices in "
       "pixels).");
-  Paths paths;
+  SuperpixelSegmenterPaths paths;
   SuperpixelOptions options;
   line.options().Add("", "workspace_path", &paths.workspace,
                      "session: reads its images, writes superpixels/");

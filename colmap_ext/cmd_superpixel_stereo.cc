@@ -27,14 +27,14 @@
 namespace colmap_ext {
 namespace {
 
-struct Paths {
+struct SuperpixelStereoPaths {
   std::filesystem::path workspace;
   std::filesystem::path sparse;
   std::filesystem::path images;
   std::filesystem::path output;
 };
 
-void CompletePaths(Paths* paths) {
+void CompletePaths(SuperpixelStereoPaths* paths) {
   if (!paths->workspace.empty()) {
     RequireFolder(paths->workspace, "workspace");
     const Workspace workspace(paths->workspace);
@@ -159,7 +159,7 @@ int RunSuperpixelStereo(const Arguments& arguments, Program& program) {
       "Fast linear dense stereo: a mesh for each photo of a sparse model, fused over its "
       "neighbours. Writes meshes/<name>.ply, fused.ply (points), fused_mesh.ply and dense/, a "
       "workspace for `colmap stereo_fusion`.");
-  Paths paths;
+  SuperpixelStereoPaths paths;
   int max_width_px = 640;
   bool pictures = false;
   SuperpixelOptions superpixel_options;

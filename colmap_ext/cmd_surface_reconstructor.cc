@@ -10,11 +10,11 @@
 namespace colmap_ext {
 namespace {
 
-struct Paths {
+struct SurfaceReconstructorPaths {
   std::filesystem::path workspace, input, output;
 };
 
-void CheckPaths(const Paths& paths) {
+void CheckPaths(const SurfaceReconstructorPaths& paths) {
   if (!paths.workspace.empty()) {
     if (!paths.input.empty() || !paths.output.empty()) {
       throw UsageError("give either --workspace_path, or --input_path and --output_path");
@@ -62,8 +62,9 @@ ProgramLog::Json RunInWorkspace(const Workspace& workspace, const RegionOptions&
   return LogSurface(surface, files.surface_ply(), job);
 }
 
-ProgramLog::Json RunOnFiles(const Paths& paths, const RegionOptions& region_options,
-                            const SurfaceOptions& options, const JobControl& job) {
+ProgramLog::Json RunOnFiles(const SurfaceReconstructorPaths& paths,
+                            const RegionOptions& region_options, const SurfaceOptions& options,
+                            const JobControl& job) {
   RequireFile(paths.input, "points");
   const OrientedPoints points = ReadOrientedPoints(paths.input);
   if (points.empty()) throw Error(paths.input.string() + ": the file has no points");
@@ -82,7 +83,7 @@ int RunSurfaceReconstructor(const Arguments& arguments, Program& program) {
       "(sample_spacing_m) at every vertex. --workspace_path: fused.ply of the newest "
       "iteration becomes its surface.ply. --input_path and --output_path: any PLY file "
       "of points with normals, for example COLMAP's fused.ply.");
-  Paths paths;
+  SurfaceReconstructorPaths paths;
   SurfaceOptions options;
   RegionOptions region_options;
   line.options().Add("", "workspace_path", &paths.workspace, "folder of a session");

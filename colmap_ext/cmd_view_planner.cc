@@ -18,11 +18,11 @@
 namespace colmap_ext {
 namespace {
 
-struct Paths {
+struct ViewPlannerPaths {
   std::filesystem::path workspace, input, mesh, coverage, output;
 };
 
-void CheckPaths(const Paths& paths) {
+void CheckPaths(const ViewPlannerPaths& paths) {
   RequireWorkspaceOrFiles(paths.workspace, {{"input_path", paths.input},
                                             {"mesh_path", paths.mesh},
                                             {"coverage_path", paths.coverage},
@@ -46,7 +46,7 @@ int RunViewPlanner(const Arguments& arguments, Program& program) {
       "Chooses the next best views for what is not covered yet. --workspace_path: of the "
       "newest iteration. Else from a sparse model in metres (--input_path), its surface "
       "(--mesh_path) and coverage map (--coverage_path) to views.json (--output_path).");
-  Paths paths;
+  ViewPlannerPaths paths;
   NextBestViewOptions options;
   PathOptions path_options;          // views are chosen where a path may lead
   CoverageOptions coverage_options;  // and see what coverage says that they see

@@ -172,7 +172,7 @@ std::string IterationSection(std::size_t index, const IterationSummary& iteratio
 // Copies a picture unless the copy is already there and newer. Returns its link from the page.
 std::string CopyPicture(const fs::path& file, std::size_t iteration, const fs::path& folder) {
   RequireFile(file, "picture");
-  char prefix[16];
+  char prefix[32];
   std::snprintf(prefix, sizeof prefix, "%03zu_", iteration);
   const std::string link = "pictures/" + (prefix + file.filename().string());
   const fs::path target = folder / link;

@@ -136,31 +136,31 @@ class OwnPhotos : public OrbitPhotos {
 TEST_F(OwnPhotos, CoverageViewsPathAndMissionThenOnlyTheNewOnes) {
   const fs::path photos = folder_ / "photos";
   RenderOrbit(photos, 0, 20);
-  std::vector<std::string> with_height = Arguments(photos);
-  with_height.insert(with_height.end(), {"--Mission.home_below_origin_m", "10"});
-  ChildProcessResult result = Run(with_height);
+  ChildProcessResult result = Run(Arguments(photos));
   ASSERT_EQ(result.exit_code, 0) << result.output;
-  const fs::path first = folder_ / "w" / "iterations" / "000";
-  EXPECT_TRUE(fs::exists(first / "coverage.json"));
-  const json plan = ReadJson(first / "mission.plan");
-  EXPECT_EQ(plan["fileType"], "Plan");
-  EXPECT_GT(plan["mission"]["items"].size(), 5U);
+  const fs::path iterations = folder_ / "w" / "iterations";
+  EXPECT_TRUE(fs::exists(iterations / "000" / "coverage.json"));
+  // Photos that do not say how high they were taken make no mission with heights above take-off.
+  EXPECT_NE(result.output.find("no mission file: the photos do not say"), std::string::npos);
+  EXPECT_FALSE(fs::exists(iterations / "000" / "mission.plan"));
 
   result = Run(Arguments(photos));
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_NE(result.output.find("No new photos"), std::string::npos) << result.output;
 
   RenderOrbit(photos, 20, 4);
-  result = Run(Arguments(photos));
+  std::vector<std::string> with_height = Arguments(photos);
+  with_height.insert(with_height.end(), {"--Mission.home_below_origin_m", "10"});
+  result = Run(with_height);
   ASSERT_EQ(result.exit_code, 0) << result.output;
   const json summary = ReadJson(folder_ / "w" / "summary.json");
   ASSERT_EQ(summary["iterations"].size(), 2U);
   EXPECT_EQ(summary["iterations"][1]["photos"], 24);
   EXPECT_EQ(summary["iterations"][1]["registered"], 24);
   EXPECT_NE(result.output.find("features of 4 photos"), std::string::npos) << result.output;
-  // Photos that do not say how high they were taken make no mission with heights above take-off.
-  EXPECT_NE(result.output.find("no mission file: the photos do not say"), std::string::npos);
-  EXPECT_FALSE(fs::exists(folder_ / "w" / "iterations" / "001" / "mission.plan"));
+  const json plan = ReadJson(iterations / "001" / "mission.plan");
+  EXPECT_EQ(plan["fileType"], "Plan");
+  EXPECT_GT(plan["mission"]["items"].size(), 5U);
 
   // Each command by itself takes the session's folder.
   const std::string workspace = (folder_ / "w").string();

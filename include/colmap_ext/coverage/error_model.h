@@ -70,9 +70,9 @@ struct ErrorModel {
   double views_exponent = 0;        // c, >= 0; beside stereo and support the count tells no more
   double steepness = 2.59;          // κ, > 0
   double failure_constant = -6.5;
-  double failure_stereo = 1.3;    // >= 0
-  double failure_support = 0.5;   // >= 0
-  double failure_views = 1.0;     // >= 0
+  double failure_stereo = 0.51;   // >= 0
+  double failure_support = 1.08;  // >= 0
+  double failure_views = 0.61;    // >= 0
   int neighbors = 15;             // iso-points, itself among them, 1 … 1000
   double max_angle_deg = 40;      // of a pair, (0, 180]; DenseStereo.max_angle_deg
   double max_stereo_px = 33;      // > 0

@@ -135,10 +135,6 @@ std::optional<PositionPrior> PriorFromBlob(const SqliteStatement& statement, int
   return prior;
 }
 
-std::string NameOf(const ImagePair& pair) {
-  return std::to_string(pair.first) + " and " + std::to_string(pair.second);
-}
-
 ImagePair PairFrom(const SqliteStatement& statement, int column) {
   try {
     return PairOfId(static_cast<std::uint64_t>(statement.Integer(column)));
@@ -152,8 +148,8 @@ ImagePair PairFrom(const SqliteStatement& statement, int column) {
 std::uint64_t PairIdOf(const ImagePair& pair) {
   const auto [small, large] = std::minmax(pair.first, pair.second);
   if (small == 0 || large > kMaxImageId || small == large) {
-    throw Error("images " + NameOf(pair) + " are no pair (ids are 1 to " +
-                std::to_string(kMaxImageId) + " and different)");
+    throw Error(NameOfPair(pair) + " are no pair (ids are 1 to " + std::to_string(kMaxImageId) +
+                " and different)");
   }
   return kPairFactor * small + large;
 }
@@ -336,7 +332,7 @@ std::vector<KeypointMatch> Database::ReadMatches(const ImagePair& pair) const {
       impl_->connection, "SELECT rows, cols, data FROM matches WHERE pair_id = ?", "read matches");
   statement.Bind(static_cast<std::int64_t>(PairIdOf(pair)));
   if (!statement.Step()) return {};
-  auto matches = MatchesFrom(statement, 0, "matches of images " + NameOf(pair));
+  auto matches = MatchesFrom(statement, 0, "matches of " + NameOfPair(pair));
   if (IsSwapped(pair)) SwapMatches(&matches);
   return matches;
 }
@@ -363,7 +359,7 @@ std::optional<TwoViewGeometry> Database::ReadTwoViewGeometry(const ImagePair& pa
                             "read a two-view geometry");
   statement.Bind(static_cast<std::int64_t>(PairIdOf(pair)));
   if (!statement.Step()) return std::nullopt;
-  const std::string what = "inlier matches of images " + NameOf(pair);
+  const std::string what = "inlier matches of " + NameOfPair(pair);
   TwoViewGeometry geometry;
   geometry.config = ConfigFrom(statement, 0);
   geometry.inlier_matches = MatchesFrom(statement, 1, what);

@@ -22,11 +22,7 @@ std::vector<std::uint32_t> Flatten(const std::vector<KeypointMatch>& matches) {
 // COLMAP's number of SIFT among the kinds of features.
 constexpr int kSiftType = 0;
 
-std::string NameOfPair(ImageId image_id) { return "image " + std::to_string(image_id); }
-
-std::string NameOfPair(const ImagePair& pair) {
-  return "images " + std::to_string(pair.first) + " and " + std::to_string(pair.second);
-}
+std::string NameOf(ImageId image_id) { return "image " + std::to_string(image_id); }
 
 std::string NameOfCamera(CameraId camera_id) { return "camera " + std::to_string(camera_id); }
 
@@ -93,7 +89,7 @@ std::int64_t RigOf(const SqliteConnection& connection, CameraId camera_id) {
 void InsertFrame(const SqliteConnection& connection, ImageId image_id, CameraId camera_id) {
   const std::int64_t rig_id = RigOf(connection, camera_id);
   const std::int64_t frame_id = FreeId(connection, "frames", "frame_id", image_id);
-  const std::string doing = "insert the frame of " + NameOfPair(image_id);
+  const std::string doing = "insert the frame of " + NameOf(image_id);
   SqliteStatement(connection, "INSERT INTO frames(frame_id, rig_id) VALUES (?, ?)", doing)
       .Bind(frame_id)
       .Bind(rig_id)
@@ -113,7 +109,7 @@ void InsertFrame(const SqliteConnection& connection, ImageId image_id, CameraId 
 void RequirePlaceForPrior(const SqliteConnection& connection, const DatabaseSchema& schema,
                           ImageId image_id, const PositionPrior& prior) {
   if (!prior.position.allFinite()) {
-    connection.FailWith(NameOfPair(image_id) + " has a position prior that is no finite number");
+    connection.FailWith(NameOf(image_id) + " has a position prior that is no finite number");
   }
   if (schema.prior_layout != PriorLayout::kNone) return;
   connection.FailWith("has no place for position priors (user_version " +
@@ -125,7 +121,7 @@ void SetPriorColumns(const SqliteConnection& connection, ImageId image_id,
                      const Eigen::Vector3d& position) {
   SqliteStatement(connection,
                   "UPDATE images SET prior_tx = ?, prior_ty = ?, prior_tz = ? WHERE image_id = ?",
-                  "set the position prior of " + NameOfPair(image_id))
+                  "set the position prior of " + NameOf(image_id))
       .Bind(position.x())
       .Bind(position.y())
       .Bind(position.z())
@@ -151,7 +147,7 @@ void InsertPriorRow(const SqliteConnection& connection, const DatabaseSchema& sc
   if (schema.has_prior_gravity) values += ", ?";
   SqliteStatement statement(connection,
                             "INSERT INTO pose_priors(" + columns + ") VALUES (" + values + ")",
-                            "insert the position prior of " + NameOfPair(image_id));
+                            "insert the position prior of " + NameOf(image_id));
   statement.BindBlob(prior.position.data(), 3 * sizeof(double))
       .Bind(static_cast<std::int64_t>(prior.frame))
       .Bind(static_cast<std::int64_t>(image_id));
@@ -164,9 +160,9 @@ void InsertPriorRow(const SqliteConnection& connection, const DatabaseSchema& sc
 void WritePrior(const SqliteConnection& connection, const DatabaseSchema& schema, ImageId image_id,
                 const PositionPrior& prior) {
   SqliteStatement camera(connection, "SELECT camera_id FROM images WHERE image_id = ?",
-                         "find " + NameOfPair(image_id));
+                         "find " + NameOf(image_id));
   if (!camera.Bind(static_cast<std::int64_t>(image_id)).Step()) {
-    connection.FailWith("has no " + NameOfPair(image_id) + " to set a position prior of");
+    connection.FailWith("has no " + NameOf(image_id) + " to set a position prior of");
   }
   if (schema.prior_layout == PriorLayout::kImageColumns) {
     SetPriorColumns(connection, image_id, prior.position);
@@ -177,7 +173,7 @@ void WritePrior(const SqliteConnection& connection, const DatabaseSchema& schema
                   by_data ? "DELETE FROM pose_priors WHERE corr_data_id = ? AND "
                             "corr_sensor_type = 0"
                           : "DELETE FROM pose_priors WHERE image_id = ?",
-                  "replace the position prior of " + NameOfPair(image_id))
+                  "replace the position prior of " + NameOf(image_id))
       .Bind(static_cast<std::int64_t>(image_id))
       .Step();
   InsertPriorRow(connection, schema, image_id, camera.Integer(0), prior);
@@ -222,7 +218,7 @@ void InsertMatrix(const SqliteConnection& connection, const std::string& table, 
                   "INSERT INTO " + table + "(image_id, rows, cols, data" +
                       (more_column.empty() ? "" : ", " + more_column) + ") VALUES (?, ?, ?, ?" +
                       (more_column.empty() ? ")" : ", " + std::to_string(kSiftType) + ")"),
-                  "insert the " + table + " of " + NameOfPair(image_id))
+                  "insert the " + table + " of " + NameOf(image_id))
       .Bind(static_cast<std::int64_t>(image_id))
       .Bind(static_cast<std::int64_t>(matrix.rows()))
       .Bind(static_cast<std::int64_t>(matrix.cols()))
@@ -284,12 +280,12 @@ void Database::Transaction::UpdateCamera(CameraId camera_id, const DatabaseCamer
 void Database::Transaction::InsertImage(ImageId image_id, const DatabaseImage& image) {
   const SqliteConnection& connection = impl_.connection;
   if (image_id < 1 || image_id > kMaxImageId || image.name.empty()) {
-    connection.FailWith("cannot insert " + NameOfPair(image_id) + " '" + image.name +
+    connection.FailWith("cannot insert " + NameOf(image_id) + " '" + image.name +
                         "': ids are 1 to " + std::to_string(kMaxImageId) + ", names are not empty");
   }
   if (image.prior) RequirePlaceForPrior(connection, impl_.schema, image_id, *image.prior);
   SqliteStatement(connection, "INSERT INTO images(image_id, name, camera_id) VALUES (?, ?, ?)",
-                  "insert " + NameOfPair(image_id) + " '" + image.name + "' of camera " +
+                  "insert " + NameOf(image_id) + " '" + image.name + "' of camera " +
                       std::to_string(image.camera_id))
       .Bind(static_cast<std::int64_t>(image_id))
       .Bind(image.name)
@@ -313,8 +309,8 @@ void Database::Transaction::InsertKeypoints(ImageId image_id, const KeypointMatr
   }
   const Eigen::Index cols = keypoints.cols();
   if (cols != 2 && cols != 4 && cols != 6) {
-    impl_.connection.FailWith("keypoints of " + NameOfPair(image_id) + " have " +
-                              std::to_string(cols) + " columns, not 2, 4 or 6");
+    impl_.connection.FailWith("keypoints of " + NameOf(image_id) + " have " + std::to_string(cols) +
+                              " columns, not 2, 4 or 6");
   }
   InsertMatrix(impl_.connection, "keypoints", image_id, keypoints);
 }

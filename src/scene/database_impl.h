@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "colmap_ext/scene/database.h"
@@ -21,6 +22,11 @@ struct Database::Impl {
 
 // What the tables of rigs and frames hold, not yet checked.
 FrameTable ReadFrameTableRows(const SqliteConnection& connection);
+
+// "images 3 and 7", for messages.
+inline std::string NameOfPair(const ImagePair& pair) {
+  return "images " + std::to_string(pair.first) + " and " + std::to_string(pair.second);
+}
 
 // The database's own order of a pair is smaller id first.
 inline bool IsSwapped(const ImagePair& pair) { return pair.first > pair.second; }

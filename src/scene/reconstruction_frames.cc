@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::size_t kMinRigBytes = 4 + 4;
 constexpr std::size_t kMinFrameBytes = 4 + 4 + 7 * 8 + 4;
+
 // One way to ask for the next value of a binary or a text file.
 class BinarySource {
  public:

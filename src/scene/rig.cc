@@ -10,7 +10,6 @@
 namespace colmap_ext {
 namespace {
 
-// Photos of a frame may differ from their places in the rig by rounding only.
 std::string NameOf(const SensorId& sensor) {
   return (sensor.type == SensorType::kCamera ? "camera " : "sensor ") + std::to_string(sensor.id);
 }

@@ -7,8 +7,6 @@
 #include "sim/autopilot_impl.h"
 
 namespace colmap_ext {
-namespace {}  // namespace
-
 AutopilotPersonality ParsePersonality(const std::string& name) {
   if (name == "px4") return AutopilotPersonality::kPx4;
   if (name == "ardupilot") return AutopilotPersonality::kArduPilot;

@@ -1,11 +1,9 @@
 // bench_coverage: whether what the coverage map calls uncovered is what a dense reconstruction from
 // the same photos gets wrong, and whether its predicted error is the true one.
 #include <algorithm>
-#include <iostream>
 
 #include "calibration.h"
 #include "colmap_ext/util/error.h"
-#include "colmap_ext/util/exit_code.h"
 #include "colmap_ext/util/options.h"
 #include "colmap_ext/util/text.h"
 #include "flights.h"
@@ -13,6 +11,7 @@
 #include "measures.h"
 #include "pictures.h"
 #include "points_table.h"
+#include "support/bench_main.h"
 #include "support/bench_report.h"
 #include "support/flown_site.h"
 #include "timing.h"
@@ -198,11 +197,7 @@ int Run(const std::vector<std::string>& arguments) {
   BenchOptions options;
   OptionSet set;
   AddOptions(&options, &set);
-  set.Parse(arguments);
-  if (set.HelpRequested()) {
-    std::cout << set.HelpText();
-    return 0;
-  }
+  if (!ReadCommandLine(arguments, &set)) return 0;
   if (!set.IsSet("Coverage.target_error_mm")) options.coverage.target_error_mm = options.bad_mm;
   ThrowIfInvalid(options.coverage.Check());
   ConsoleSink sink(LogLevel::kWarning);
@@ -217,8 +212,7 @@ int Run(const std::vector<std::string>& arguments) {
   ReportColumns("all", everything, true, &report);
   ReportCalibration("all", everything, &report);
   if (options.calibrate) Calibrate(scenes, flights, options, &report);
-  std::cout << report.ToMarkdown();
-  report.Write(options.results);
+  PrintAndWrite(report, options.results);
   return 0;
 }
 
@@ -226,7 +220,5 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace colmap_ext
 
 int main(int argc, char** argv) {
-  return colmap_ext::ExitCodeOf("bench_coverage", [&] {
-    return colmap_ext::Run({argv + 1, argv + argc});
-  });
+  return colmap_ext::BenchMain("bench_coverage", argc, argv, colmap_ext::Run);
 }

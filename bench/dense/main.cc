@@ -1,7 +1,6 @@
 // bench_dense: the built-in dense reconstruction of a simulated first flight, against the truth and
 // beside the fast model.
 #include <atomic>
-#include <iostream>
 #include <thread>
 
 #include "colmap_ext/eval/count_views.h"
@@ -12,10 +11,10 @@
 #include "colmap_ext/scene/reconstruction_io.h"
 #include "colmap_ext/scene/true_poses.h"
 #include "colmap_ext/util/error.h"
-#include "colmap_ext/util/exit_code.h"
 #include "colmap_ext/util/files.h"
 #include "colmap_ext/util/options.h"
 #include "colmap_ext/util/text.h"
+#include "support/bench_main.h"
 #include "support/bench_program.h"
 #include "support/bench_report.h"
 #include "support/evaluated_model.h"
@@ -175,11 +174,7 @@ int Run(const std::vector<std::string>& arguments) {
   set.Add("", "widths", &options.widths, "of the photos that are matched, px");
   set.Add("", "poses", &options.poses, "true, sfm or both");
   set.Add("", "kill_test", &options.kill_test, "whether a killed run is tried (0 or 1)");
-  set.Parse(arguments);
-  if (set.HelpRequested()) {
-    std::cout << set.HelpText();
-    return 0;
-  }
+  if (!ReadCommandLine(arguments, &set)) return 0;
   ConsoleSink sink(LogLevel::kWarning);
   const JobControl job(&sink, nullptr);
   const BenchSurvey survey = MakeSurvey(options.work, options.num_views, job);
@@ -188,8 +183,7 @@ int Run(const std::vector<std::string>& arguments) {
     RunModels(options, survey, poses, job, &report);
   }
   if (options.kill_test) RunKillTest(options, survey, job, &report);
-  std::cout << report.ToMarkdown();
-  report.Write(options.results);
+  PrintAndWrite(report, options.results);
   return 0;
 }
 
@@ -197,7 +191,5 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace colmap_ext
 
 int main(int argc, char** argv) {
-  return colmap_ext::ExitCodeOf("bench_dense", [&] {
-    return colmap_ext::Run({argv + 1, argv + argc});
-  });
+  return colmap_ext::BenchMain("bench_dense", argc, argv, colmap_ext::Run);
 }

@@ -25,7 +25,7 @@
 #include "colmap_ext/sim/autopilot.h"
 #include "colmap_ext/util/child_process.h"
 #include "colmap_ext/util/error.h"
-#include "colmap_ext/util/exit_code.h"
+#include "support/bench_main.h"
 #include "support/bench_report.h"
 
 namespace colmap_ext {
@@ -316,7 +316,5 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace colmap_ext
 
 int main(int argc, char** argv) {
-  return colmap_ext::ExitCodeOf("bench_flight", [&] {
-    return colmap_ext::Run({argv + 1, argv + argc});
-  });
+  return colmap_ext::BenchMain("bench_flight", argc, argv, colmap_ext::Run);
 }

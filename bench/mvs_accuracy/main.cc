@@ -1,14 +1,13 @@
 // bench_mvs_accuracy: superpixel stereo against rendered truth, part by part.
-#include <iostream>
 
 #include "calibration.h"
 #include "colmap_ext/mvs/superpixel_stereo.h"
 #include "colmap_ext/util/error.h"
-#include "colmap_ext/util/exit_code.h"
 #include "colmap_ext/util/options.h"
 #include "measures.h"
 #include "partition.h"
 #include "pictures.h"
+#include "support/bench_main.h"
 #include "support/bench_report.h"
 #include "survey.h"
 
@@ -124,11 +123,7 @@ int Run(const std::vector<std::string>& arguments) {
   BenchOptions options;
   OptionSet set;
   AddOptions(&options, &set);
-  set.Parse(arguments);
-  if (set.HelpRequested()) {
-    std::cout << set.HelpText();
-    return 0;
-  }
+  if (!ReadCommandLine(arguments, &set)) return 0;
   if (options.survey.cache.empty()) throw UsageError("--cache is required");
   ConsoleSink sink(LogLevel::kWarning);
   const JobControl job(&sink, nullptr);
@@ -153,7 +148,5 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace colmap_ext
 
 int main(int argc, char** argv) {
-  return colmap_ext::ExitCodeOf("bench_mvs_accuracy", [&] {
-    return colmap_ext::Run({argv + 1, argv + argc});
-  });
+  return colmap_ext::BenchMain("bench_mvs_accuracy", argc, argv, colmap_ext::Run);
 }

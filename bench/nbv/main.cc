@@ -7,9 +7,9 @@
 
 #include "closed_loop.h"
 #include "colmap_ext/util/error.h"
-#include "colmap_ext/util/exit_code.h"
 #include "colmap_ext/util/statistics.h"
 #include "speed.h"
+#include "support/bench_main.h"
 #include "support/bench_report.h"
 
 namespace colmap_ext {
@@ -184,11 +184,7 @@ int Run(const std::vector<std::string>& arguments) {
   StageOptions stages;
   OptionSet set;
   AddOptions(&options, &stages, &set);
-  set.Parse(arguments);
-  if (set.HelpRequested()) {
-    std::cout << set.HelpText();
-    return 0;
-  }
+  if (!ReadCommandLine(arguments, &set)) return 0;
   if (options.loop != "geometry" && options.loop != "photos" && options.loop != "none") {
     throw UsageError("--loop must be geometry, photos or none");
   }
@@ -206,8 +202,7 @@ int Run(const std::vector<std::string>& arguments) {
       RunLoops(options, scene, set, stages, job, &report);
     }
   }
-  std::cout << report.ToMarkdown();
-  report.Write(options.results);
+  PrintAndWrite(report, options.results);
   return 0;
 }
 
@@ -215,7 +210,5 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace colmap_ext
 
 int main(int argc, char** argv) {
-  return colmap_ext::ExitCodeOf("bench_nbv", [&] {
-    return colmap_ext::Run({argv + 1, argv + argc});
-  });
+  return colmap_ext::BenchMain("bench_nbv", argc, argv, colmap_ext::Run);
 }

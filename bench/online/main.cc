@@ -1,17 +1,16 @@
 // bench_online: one iteration of a session, from new photos to the path of the next flight, on top
 // of more and more photos: what it costs a photo, and where the time goes.
 #include <algorithm>
-#include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "colmap_ext/report/summary_json.h"
 #include "colmap_ext/scene/workspace.h"
 #include "colmap_ext/util/error.h"
-#include "colmap_ext/util/exit_code.h"
 #include "colmap_ext/util/files.h"
 #include "colmap_ext/util/options.h"
 #include "colmap_ext/util/text.h"
+#include "support/bench_main.h"
 #include "support/bench_program.h"
 #include "support/bench_report.h"
 
@@ -112,11 +111,7 @@ int Run(const std::vector<std::string>& arguments) {
   set.Add("", "counts", &options.counts, "photos of the first flight, with commas");
   set.Add("", "new_photos", &options.new_photos, "photos of each later flight");
   set.Add("", "iterations", &options.iterations, "later flights; medians are reported");
-  set.Parse(arguments);
-  if (set.HelpRequested()) {
-    std::cout << set.HelpText();
-    return 0;
-  }
+  if (!ReadCommandLine(arguments, &set)) return 0;
   ThrowIfInvalid(options.Check());
   ConsoleSink sink(LogLevel::kWarning);
   const JobControl job(&sink, nullptr);
@@ -131,8 +126,7 @@ int Run(const std::vector<std::string>& arguments) {
     report.Add("CPU of the last by that of the first", totals.back() / totals.front(), "ratio",
                AtMost(1.2));
   }
-  std::cout << report.ToMarkdown();
-  report.Write(options.results);
+  PrintAndWrite(report, options.results);
   return 0;
 }
 
@@ -140,7 +134,5 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace colmap_ext
 
 int main(int argc, char** argv) {
-  return colmap_ext::ExitCodeOf("bench_online", [&] {
-    return colmap_ext::Run({argv + 1, argv + argc});
-  });
+  return colmap_ext::BenchMain("bench_online", argc, argv, colmap_ext::Run);
 }

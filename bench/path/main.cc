@@ -2,10 +2,10 @@
 // 1 cm.
 #include <iostream>
 
-#include "colmap_ext/util/exit_code.h"
 #include "colmap_ext/util/options.h"
 #include "colmap_ext/util/stage_timer.h"
 #include "safety_campaign.h"
+#include "support/bench_main.h"
 #include "support/bench_report.h"
 
 namespace colmap_ext {
@@ -19,11 +19,7 @@ int Run(const std::vector<std::string>& arguments) {
   set.Add("", "sites", &count, "random sites");
   set.Add("", "first_seed", &first_seed, "seed of the first one");
   set.Add("", "results", &results, "folder for path.json");
-  set.Parse(arguments);
-  if (set.HelpRequested()) {
-    std::cout << set.HelpText();
-    return 0;
-  }
+  if (!ReadCommandLine(arguments, &set)) return 0;
   const StageTimer timer;
   const SafetyFindings f = RunSafetyCampaign(static_cast<std::uint64_t>(first_seed), count);
   const StageCost cost = timer.Stop();
@@ -58,7 +54,5 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace colmap_ext
 
 int main(int argc, char** argv) {
-  return colmap_ext::ExitCodeOf("bench_path", [&] {
-    return colmap_ext::Run({argv + 1, argv + argc});
-  });
+  return colmap_ext::BenchMain("bench_path", argc, argv, colmap_ext::Run);
 }

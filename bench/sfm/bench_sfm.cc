@@ -9,10 +9,10 @@
 #include "colmap_ext/scene/reconstruction_io.h"
 #include "colmap_ext/sim/simulated_camera.h"
 #include "colmap_ext/util/error.h"
-#include "colmap_ext/util/exit_code.h"
 #include "flight.h"
 #include "matcher_race.h"
 #include "rivals.h"
+#include "support/bench_main.h"
 #include "support/bench_report.h"
 
 namespace colmap_ext {
@@ -363,7 +363,5 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace colmap_ext
 
 int main(int argc, char** argv) {
-  return colmap_ext::ExitCodeOf("bench_sfm", [&] {
-    return colmap_ext::Run({argv + 1, argv + argc});
-  });
+  return colmap_ext::BenchMain("bench_sfm", argc, argv, colmap_ext::Run);
 }

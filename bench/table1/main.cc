@@ -11,12 +11,12 @@
 #include "colmap_ext/scene/workspace.h"
 #include "colmap_ext/sim/textured_scene.h"
 #include "colmap_ext/util/error.h"
-#include "colmap_ext/util/exit_code.h"
 #include "colmap_ext/util/files.h"
 #include "colmap_ext/util/options.h"
 #include "colmap_ext/util/text.h"
 #include "pictures.h"
 #include "plans.h"
+#include "support/bench_main.h"
 #include "support/bench_report.h"
 #include "support/evaluated_model.h"
 #include "table.h"
@@ -229,11 +229,7 @@ int Run(const std::vector<std::string>& arguments) {
   BenchOptions options;
   OptionSet set;
   AddOptions(&set, &options);
-  set.Parse(arguments);
-  if (set.HelpRequested()) {
-    std::cout << set.HelpText();
-    return 0;
-  }
+  if (!ReadCommandLine(arguments, &set)) return 0;
   if (options.quick) ApplyQuick(set, &options);
   ThrowIfInvalid(options.Check());
   const auto begin = std::chrono::steady_clock::now();
@@ -268,7 +264,5 @@ int Run(const std::vector<std::string>& arguments) {
 }  // namespace colmap_ext
 
 int main(int argc, char** argv) {
-  return colmap_ext::ExitCodeOf("bench_table1", [&] {
-    return colmap_ext::Run({argv + 1, argv + argc});
-  });
+  return colmap_ext::BenchMain("bench_table1", argc, argv, colmap_ext::Run);
 }

@@ -6,6 +6,8 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include <tbb/task_arena.h>
+
 #include <new>
 #include <string>
 
@@ -37,7 +39,8 @@ void ThrowIfFailed(RTCDevice device, const char* doing) {
 
 void EmbreeScene::Release::operator()(RTCDeviceTy* device) const { rtcReleaseDevice(device); }
 
-EmbreeScene::EmbreeScene(const TriangleMesh& mesh) : device_(rtcNewDevice("threads=1")) {
+// A device that is told a number of threads holds all of TBB to it, for as long as it lives.
+EmbreeScene::EmbreeScene(const TriangleMesh& mesh) : device_(rtcNewDevice(nullptr)) {
   if (device_ == nullptr) {
     ThrowIfFailed(nullptr, "be started");
     throw Error("Embree cannot be started");
@@ -65,7 +68,8 @@ EmbreeScene::EmbreeScene(const TriangleMesh& mesh) : device_(rtcNewDevice("threa
     rtcCommitGeometry(geometry.get());
     rtcAttachGeometry(scene.get(), geometry.get());
   }
-  rtcCommitScene(scene.get());
+  // By one thread: the same tree every time, and so the same hit where two faces are equally near.
+  tbb::task_arena(1).execute([&] { rtcCommitScene(scene.get()); });
   ThrowIfFailed(device_.get(), "index the mesh");
   scene_ = scene.release();
 }

@@ -1,6 +1,7 @@
 #include "colmap_ext/geom/mesh.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <cmath>
 #include <random>
@@ -106,6 +107,15 @@ TEST(RayScene, EmptyMeshIsNeverHit) {
   EXPECT_FALSE(scene.Intersect({0, 0, 1}, {0, 0, -1}, 0, 100).has_value());
   EXPECT_FALSE(scene.IsOccluded({0, 0, 1}, {0, 0, -1}, 0.01));
   EXPECT_EQ(scene.DistanceToSurface({0, 0, 0}, 7), 7);
+}
+
+TEST(RayScene, LeavesTheThreadsOfTheProcessAlone) {
+  const auto threads = [] {
+    return tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  };
+  const std::size_t before = threads();
+  const RayScene scene(Rectangle(4, 3));
+  EXPECT_EQ(threads(), before);
 }
 
 }  // namespace

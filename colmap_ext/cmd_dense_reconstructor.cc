@@ -7,6 +7,7 @@
 #include "colmap_ext/coverage/region.h"
 #include "colmap_ext/dense/back_end.h"
 #include "colmap_ext/dense/photo_source.h"
+#include "colmap_ext/dense/texture.h"
 #include "colmap_ext/scene/mesh_io.h"
 #include "colmap_ext/scene/oriented_points_io.h"
 #include "colmap_ext/scene/reconstruction_io.h"
@@ -32,6 +33,7 @@ struct DenseReconstructorOptions {
   fs::path workspace, input, images, output, prior, colmap;
   std::string backend = "auto";
   bool adjust = false, mesh = true;
+  std::string texture = "auto";
   JobOptions jobs;
   DenseStereoOptions stereo;
   SurfaceOptions surface;
@@ -58,6 +60,9 @@ void AddOptions(DenseReconstructorOptions* o, OptionSet* set) {
   set->Add("", "adjust", &o->adjust,
            "first refine the poses by a short bundle adjustment, intrinsics kept (0 or 1)");
   set->Add("", "mesh", &o->mesh, "make surface.ply, a Poisson mesh with vertex colours (0 or 1)");
+  set->Add("", "texture", &o->texture,
+           "make textured.obj from surface.ply: yes, no, or auto: where OpenMVS' InterfaceCOLMAP "
+           "and TextureMesh are on the PATH");
   BindOptions(*set, &o->jobs);
   BindOptions(*set, &o->stereo);
   BindOptions(*set, &o->surface);
@@ -134,6 +139,20 @@ void WriteSurfaceOf(const OrientedPoints& points, const RegionOfInterest& region
            std::to_string(surface.mesh.faces.size()) + " faces: " + path.string());
 }
 
+// Whether textured.obj is to be made; said at once, not after hours of matching.
+bool WantsTexture(const DenseReconstructorOptions& o, const JobControl& job) {
+  if (o.texture != "yes" && o.texture != "no" && o.texture != "auto") {
+    throw UsageError("--texture must be yes, no or auto, not " + o.texture);
+  }
+  if (o.texture == "yes" && !o.mesh) throw UsageError("--texture yes needs --mesh 1");
+  if (o.texture == "no" || !o.mesh) return false;
+  const std::string complaint = WhyNoTexture();
+  if (complaint.empty()) return true;
+  if (o.texture == "yes") throw Error("--texture yes: " + complaint);
+  job.Debug("no texture: " + complaint);
+  return false;
+}
+
 // Depth, normals, confidence and what a stopped run goes on from, then the fused cloud and its
 // mesh: 20 bytes a pixel are the maps.
 void RequireRoom(const PhotoSource& photos, const fs::path& output) {
@@ -174,8 +193,9 @@ int RunDenseReconstructor(const Arguments& arguments, Program& program) {
   ThrowIfInvalid(o.stereo.Check());
   ThrowIfInvalid(o.surface.Check());
   ThrowIfInvalid(o.region.Check());
-  CompletePaths(&o);
   const JobControl job = program.Job();
+  const bool wants_texture = WantsTexture(o, job);
+  CompletePaths(&o);
 
   const std::shared_ptr<ColmapProgram> colmap = FindColmapProgram(o);
   std::vector<std::unique_ptr<DenseBackEnd>> back_ends;
@@ -205,6 +225,11 @@ int RunDenseReconstructor(const Arguments& arguments, Program& program) {
   WriteOrientedPoints(points, o.output / "fused.ply");
   job.Info(std::to_string(points.size()) + " points: " + (o.output / "fused.ply").string());
   if (o.mesh) WriteSurfaceOf(points, region, o, job);
+  if (wants_texture) {
+    const fs::path textured = o.output / "textured.obj";
+    TextureSurface({o.output}, o.output / "surface.ply", textured, job);
+    job.Info("textured mesh: " + textured.string());
+  }
   const StageCost cost = timer.Stop();
   std::cout << photos.photo_set().photos.size() << " photos, " << points.size() << " points, "
             << cost.wall_s << " s, " << cost.cpu_s << " CPU s, peak " << cost.peak_mib << " MiB\n";

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "colmap_ext/dense/dense_workspace.h"
+#include "colmap_ext/dense/texture.h"
 #include "colmap_ext/scene/oriented_points_io.h"
 #include "colmap_ext/util/files.h"
 #include "dense/wall_survey.h"
@@ -150,6 +151,20 @@ TEST_F(OpenMvs, FailuresAndEmptyOutputsAreErrors) {
   Program("InterfaceCOLMAP", "exit 3");
   ExpectError([&] { back_end->Reconstruct(request_, JobControl()); },
               {"InterfaceCOLMAP", "exit code 3"});
+}
+
+TEST_F(OpenMvs, TexturesASurface) {
+  EXPECT_NE(WhyNoTexture().find("TextureMesh"), std::string::npos);
+  // Takes the scene by -i, the mesh by -m and writes what -o names.
+  Program("TextureMesh", "cat \"$4\" \"$6\" > \"$8\"");
+  EXPECT_EQ(WhyNoTexture(), "");
+  const fs::path mesh = folder_ / "surface.ply", textured = folder_ / "textured.obj";
+  WriteFileAtomically(mesh, "mesh\n");
+  TextureSurface({request_.workspace_path}, mesh, textured, JobControl());
+  EXPECT_EQ(ReadFile(textured), "scene\nmesh\n");
+  Program("TextureMesh", "exit 0");
+  ExpectError([&] { TextureSurface({request_.workspace_path}, mesh, textured, JobControl()); },
+              {"TextureMesh", "without an error", "textured.obj", "log"});
 }
 
 }  // namespace

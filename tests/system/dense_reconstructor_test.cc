@@ -96,6 +96,9 @@ TEST_F(DenseReconstructorCommand, BadInputIsOneClearLine) {
   std::vector<std::string> arguments = DenseArguments();
   arguments[2] = "magic";
   ExpectFailure(Run(arguments), 2, {"magic", "builtin"});
+  arguments = DenseArguments();
+  arguments.insert(arguments.end(), {"--texture", "maybe"});
+  ExpectFailure(Run(arguments), 2, {"--texture", "maybe", "auto"});
   std::filesystem::remove(folder_ / "images" / "photo_103.png");
   ExpectFailure(Run(DenseArguments()), 1, {"photo_103.png"});
   ExpectFailure(Run({"model_evaluator", "--mesh_path", Path("images"), "--ground_truth_path",

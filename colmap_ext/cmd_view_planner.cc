@@ -98,9 +98,10 @@ int RunViewPlanner(const Arguments& arguments, Program& program) {
   input.points = &inputs.photos.points;
   input.start = CameraCenter(photos.back().cam_from_world);
   const Surface surface = ConfidentSurface(inputs, paths.mesh, path_options, job);
-  input.may_fly = FlyablePositions(
-      std::make_shared<FreeSpace>(KnownSpace(surface, photos, *input.start, path_options)),
-      path_options);
+  const auto space =
+      std::make_shared<const FreeSpace>(KnownSpace(surface, photos, *input.start, path_options));
+  input.may_fly = FlyablePositions(space, path_options);
+  input.may_reach = ReachablePositions(space, *input.start, path_options);
   input.limits = &path_options.limits;
   input.limits_margin_m = path_options.position_error_m;
   const ViewPlanResult plan = PlanNextViews(input, options, job);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <map>
+#include <memory>
 #include <set>
 
 #include "colmap_ext/nbv/next_best_views.h"
@@ -71,7 +72,8 @@ NextBestViewOptions PlanningOptions(const TrueSite& site, const std::string& str
 }  // namespace
 
 LoopResult RunGeometryLoop(const TrueSite& site, const std::string& strategy,
-                           std::size_t wanted_covered, int max_photos, const JobControl& job) {
+                           std::size_t wanted_covered, int max_photos, bool ask_reach,
+                           const JobControl& job) {
   const NextBestViewOptions nbv = PlanningOptions(site, strategy);
   std::vector<PosedPhoto> photos = site.FirstFlight();
   PathOptions path_options = site.options().path;
@@ -89,15 +91,18 @@ LoopResult RunGeometryLoop(const TrueSite& site, const std::string& strategy,
     input.camera = photos.front().camera;
     input.first_id = static_cast<int>(photos.size());
     input.start = CameraCenter(photos.back().cam_from_world);
-    input.may_fly = FlyablePositions(site.mesh(), photos, *input.start, path_options);
+    const auto space = std::make_shared<const FreeSpace>(
+        KnownSpace({site.mesh(), {}, {}}, photos, *input.start, path_options));
+    input.may_fly = FlyablePositions(space, path_options);
     const StageTimer timer;
+    if (ask_reach) input.may_reach = ReachablePositions(space, *input.start, path_options);
     const ViewPlanResult plan = PlanNextViews(input, nbv, job);
     result.planning_s += timer.Stop().wall_s;
     ++result.iterations;
     result.stop_reason = plan.stop_reason;
     if (plan.views.empty()) break;
-    const FlightPath path =
-        PlanPath(*input.start, plan.views, site.mesh(), photos, path_options, JobControl());
+    const FlightPath path = PlanPath(*input.start, plan.views, *space, path_options, JobControl());
+    result.dropped += static_cast<int>(path.dropped_view_ids.size());
     Flight flight(path_options, result.steps.back());
     bool any = false;
     for (const Waypoint& waypoint : path.waypoints) {

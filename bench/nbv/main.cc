@@ -23,6 +23,7 @@ struct BenchOptions {
   std::string loop = "geometry";
   int num_seeds = 3;
   int max_photos = 300;
+  bool ask_reach = true;
   bool speed = true;
   int repetitions = 5;
   fs::path workspace;
@@ -70,13 +71,15 @@ std::vector<LoopResult> RunStrategies(const BenchOptions& options, const TrueSit
       results.push_back(RunPhotoLoop(site, strategy, options.max_photos,
                                      Split(options.photo_options, ' '), workspace, job));
     } else {
-      results.push_back(RunGeometryLoop(site, strategy, wanted, options.max_photos, job));
+      results.push_back(
+          RunGeometryLoop(site, strategy, wanted, options.max_photos, options.ask_reach, job));
     }
     const LoopResult& last = results.back();
     std::cerr << site.scene() << ", " << strategy << ", seed " << seed << ": "
               << 100 * static_cast<double>(last.steps.back().covered) / coverable << " % by "
               << last.steps.back().photos << " photos, " << last.iterations << " plans in "
-              << last.planning_s << " s; " << last.stop_reason << '\n';
+              << last.planning_s << " s, " << last.dropped << " views dropped; " << last.stop_reason
+              << '\n';
   }
   return results;
 }
@@ -141,17 +144,22 @@ void RunLoops(const BenchOptions& options, const std::string& scene, const Optio
   report->Add(scene + ": photos of the first flight", first_photos, "");
   for (const std::string& strategy : strategies) {
     const std::string name = scene + ", " + strategy + ", loop of " + options.loop;
-    int planned = 0, registered = 0;
+    int planned = 0, registered = 0, dropped = 0;
     std::vector<double> ends;
     for (const SeedRun& run : runs[strategy]) {
       planned += run.result.planned;
       registered += run.result.registered;
+      dropped += run.result.dropped;
       ends.push_back(static_cast<double>(run.result.steps.back().covered) / run.coverable);
     }
     for (const double share : kShares) {
       ReportShare(name, runs[strategy], share, &photos_for[strategy], report);
     }
     report->Add(name + ": covered in the end", 100 * MiddleValue(ends), "%");
+    if (planned + dropped > 0) {
+      report->Add(name + ": planned views that no path was found to",
+                  100.0 * dropped / (planned + dropped), "%");
+    }
     if (options.loop == "photos" && planned > 0) {
       report->Add(name + ": planned photos that registered", 100.0 * registered / planned, "%",
                   AtLeast(99));
@@ -168,6 +176,8 @@ void AddOptions(BenchOptions* o, StageOptions* stages, OptionSet* set) {
            "active_capture; none");
   set->Add("", "seeds", &o->num_seeds, "runs of each strategy and scene");
   set->Add("", "max_photos", &o->max_photos, "planned photos of a run at most");
+  set->Add("", "ask_reach", &o->ask_reach,
+           "loop of geometry: views are only chosen where a way leads (0 or 1)");
   set->Add("", "speed", &o->speed, "measure times and rays (0 or 1)");
   set->Add("", "repetitions", &o->repetitions, "of each time; the best counts");
   set->Add("", "workspace_path", &o->workspace,

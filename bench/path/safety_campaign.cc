@@ -111,7 +111,8 @@ class Examiner {
   // Where the vehicle is or was there is room for it, but no more.
   bool WasVisited(const Eigen::Vector3d& place) const {
     const double room_m = 2 * options_.position_error_m + 1e-9;
-    if ((place - site_.start).norm() <= room_m) return true;
+    // It must be able to leave its place, off the line as it may be.
+    if ((place - site_.start).norm() <= room_m + options_.position_error_m) return true;
     return std::any_of(site_.photos.begin(), site_.photos.end(), [&](const PosedPhoto& photo) {
       return (place - CameraCenter(photo.cam_from_world)).norm() <= room_m;
     });

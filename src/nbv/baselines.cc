@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "colmap_ext/util/statistics.h"
@@ -39,7 +40,8 @@ class Picker {
     for (const std::size_t v : by_rank) {
       const PoolView& view = pool_[v];
       if (is_used_[v] != 0 || !tour_.Permits(view.position) ||
-          !overlap_.IsEnough(view.position, view.direction, &sights_[view.place])) {
+          !overlap_.IsEnough(view.position, view.direction, &sights_[view.place]) ||
+          !MayReach(context_, view.position)) {
         continue;
       }
       is_used_[v] = 1;
@@ -84,6 +86,39 @@ class Picker {
   std::vector<double> shared_;
 };
 
+// Evenly spread over a hemisphere (Fibonacci's lattice) around the middle of the points' base,
+// looking at it; so far off that a point half-way out is still seen at γ_min. Those that are free,
+// and that the gimbal can take.
+std::vector<PoolView> HemispherePool(const SearchContext& context, const UncoveredPoints& points) {
+  Eigen::AlignedBox3d box;
+  for (std::size_t i = 0; i < points.size(); ++i) box.extend(points.position(i));
+  Eigen::Vector3d middle = box.center();
+  middle.z() = box.min().z();
+  const double extent_m = (box.max() - middle).norm();
+  const double radius_m = std::max(extent_m + context.options.safe_distance_m,
+                                   extent_m / 2 + 0.7 * UsefulRange(context));
+  const auto count = static_cast<std::size_t>(context.options.num_positions);
+  constexpr double kGoldenAngle = 2.399963229728653;
+  std::vector<PoolView> pool;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double up = (static_cast<double>(i) + 0.5) / static_cast<double>(count);
+    const double around = kGoldenAngle * static_cast<double>(i);
+    const double out = std::sqrt(1 - up * up);
+    const Eigen::Vector3d toward(out * std::cos(around), out * std::sin(around), up);
+    const Eigen::Vector3d position = middle + radius_m * toward;
+    const double pitch_deg = -RadToDeg(std::asin(up));
+    if (pitch_deg < context.options.min_gimbal_pitch_deg ||
+        pitch_deg > context.options.max_gimbal_pitch_deg || !IsFreePosition(context, position)) {
+      continue;
+    }
+    PoolView view = EvaluateView(context, points, position,
+                                 {std::atan2(-toward.x(), -toward.y()), DegToRad(pitch_deg)});
+    view.place = static_cast<std::uint32_t>(pool.size());
+    pool.push_back(std::move(view));
+  }
+  return pool;
+}
+
 }  // namespace
 
 void RunBaseline(const SearchContext& context, const JobControl& job, ViewPlanResult* result) {
@@ -93,21 +128,17 @@ void RunBaseline(const SearchContext& context, const JobControl& job, ViewPlanRe
   const UncoveredPoints points(
       coverage, Strided(IndicesOfWanted(coverage), static_cast<std::size_t>(options.num_points)),
       options);
-  const std::vector<PoolView> pool = BuildViewPool(context, points).views;
-  std::vector<char> is_seen(points.size(), 0);
-  for (const PoolView& view : pool) {
-    for (const std::uint32_t point : view.seen) is_seen[point] = 1;
-  }
-  const auto num_seen = static_cast<double>(std::count(is_seen.begin(), is_seen.end(), 1));
-  result->reachable_uncovered = static_cast<std::size_t>(
-      num_seen / static_cast<double>(points.size()) * static_cast<double>(result->uncovered));
+  const bool is_hemisphere = options.strategy == "hemisphere";
+  const std::vector<PoolView> pool =
+      is_hemisphere ? HemispherePool(context, points) : BuildViewPool(context, points).views;
+  result->reachable_uncovered = PartSeen(pool, points.size(), result->uncovered);
   // Another order in each iteration of a session.
   const std::vector<std::size_t> order =
       RandomOrder(pool.size(), options.seed * 1000003 + context.input.existing.size());
   Picker picker(context, pool);
   for (int i = 0; i < options.num_views; ++i) {
     job.ThrowIfCancelled();
-    if (!picker.PickOne(order, options.strategy == "next_farthest_point")) break;
+    if (!picker.PickOne(order, options.strategy != "random")) break;
   }
   picker.Take(result);
 }

@@ -164,6 +164,8 @@ ViewPlanResult PlanNextViews(const ViewPlanInput& input, const NextBestViewOptio
   } else {
     if (options.strategy == "submodular") {
       RunSubmodular(context, anchors, job, &result);
+    } else if (options.strategy == "smith2018") {
+      RunSmith2018(context, job, &result);
     } else {
       RunBaseline(context, job, &result);
     }

@@ -142,16 +142,23 @@ void BindPool(OptionSet& set, const std::string& s, NextBestViewOptions* o) {
           "submodular: the budgets include the way back (0, 1)");
   set.Add(s, "min_relative_gain", &o->min_relative_gain,
           "submodular: end where a view gains less than this part of the first (0 … 1)");
+  set.Add(
+      s, "objective", &o->objective,
+      "submodular: stereo (pairs by the paper's rule) or predicted_error (how accurate they are)");
   set.Add(s, "seed", &o->seed, "random: seed of the choice");
 }
 
 }  // namespace
 
 std::string NextBestViewOptions::Check() const {
-  static constexpr std::array<const char*, 4> kStrategies = {"plane_sweep", "submodular", "random",
-                                                             "next_farthest_point"};
+  static constexpr std::array<const char*, 6> kStrategies = {
+      "plane_sweep", "submodular", "random", "next_farthest_point", "hemisphere", "smith2018"};
   if (std::find(kStrategies.begin(), kStrategies.end(), strategy) == kStrategies.end()) {
-    return "NextBestView.strategy must be plane_sweep, submodular, random or next_farthest_point";
+    return "NextBestView.strategy must be plane_sweep, submodular, random, next_farthest_point, "
+           "hemisphere or smith2018";
+  }
+  if (objective != "stereo" && objective != "predicted_error") {
+    return "NextBestView.objective must be stereo or predicted_error";
   }
   if (coarse_step < 1 || coarse_step > 8) return "NextBestView.coarse_step must be in 1 … 8";
   if (num_views < 1 || num_views > 1000) return "NextBestView.num_views must be in 1 … 1000";
@@ -169,7 +176,8 @@ std::string NextBestViewOptions::Check() const {
 void BindOptions(OptionSet& set, NextBestViewOptions* o) {
   const std::string s = "NextBestView";
   set.Add(s, "strategy", &o->strategy,
-          "plane_sweep, submodular, random or next_farthest_point (these two to compare with)");
+          "plane_sweep or submodular; to compare with: random, next_farthest_point, hemisphere, "
+          "smith2018");
   BindShared(set, s, o);
   BindPool(set, s, o);
   set.Add(s, "paper_only", &o->paper_only,

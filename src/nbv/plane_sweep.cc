@@ -200,7 +200,7 @@ class PlaneSweep {
     return any;
   }
 
-  // Candidates that share too few features lose what they see.
+  // Candidates that share too few features, or that no way leads to, lose what they see.
   const Candidate* BestApartFrom(const std::vector<PlannedView>& views,
                                  std::vector<Candidate>* candidates) const {
     for (;;) {
@@ -220,7 +220,8 @@ class PlaneSweep {
       }
       if (best == nullptr) return nullptr;
       FeatureOverlap::Sight sight;
-      if (overlap_ == nullptr || overlap_->IsEnough(best->position, best->direction, &sight)) {
+      if ((overlap_ == nullptr || overlap_->IsEnough(best->position, best->direction, &sight)) &&
+          MayReach(context_, best->position)) {
         return best;
       }
       best->seen.clear();

@@ -123,7 +123,7 @@ std::vector<ReachingView> ChainOfViews(const SearchContext& context, const Ancho
   for (int i = 1; i <= steps; ++i) {
     const double t = static_cast<double>(i) / steps;
     const Eigen::Vector3d position = anchor.position + t * (target.position - anchor.position);
-    if (!IsFreePosition(context, position)) return {};
+    if (!IsFreePosition(context, position) || !MayReach(context, position)) return {};
     chain.push_back({position,
                      {NormalizeAngle(anchor.direction.yaw_rad + t * turn),
                       anchor.direction.pitch_rad + t * tilt}});

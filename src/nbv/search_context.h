@@ -38,6 +38,11 @@ inline bool IsFreePosition(const SearchContext& context, const Eigen::Vector3d& 
   return WhyNotFree(context, position).empty();
 }
 
+// Whether a way leads there; slower than all else, so asked last.
+inline bool MayReach(const SearchContext& context, const Eigen::Vector3d& position) {
+  return !context.input.may_reach || context.input.may_reach(position);
+}
+
 // Within the nearness of pitch and yaw to existing views.
 bool IsNearInAngle(const NextBestViewOptions& options, double a_rad, double b_rad);
 

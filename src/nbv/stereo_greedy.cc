@@ -29,7 +29,7 @@ StereoGreedy::StereoGreedy(const SearchContext& context, const std::vector<PoolV
     num_places = std::max(num_places, pool[v].place + 1);
     sun_.push_back(SunFactor(context.options, pool[v].direction));
     for (const std::uint32_t point : pool[v].seen) {
-      const auto gain = static_cast<float>(points_.StereoGain(point, pool[v].position));
+      const auto gain = static_cast<float>(points_.Gain(point, pool[v].position));
       seen_by_[point].push_back({v, gain});
       gain_[v] += static_cast<double>(gain);
       reach_m_[v] += (points_.position(point) - pool[v].position).norm();
@@ -40,6 +40,7 @@ StereoGreedy::StereoGreedy(const SearchContext& context, const std::vector<PoolV
     if (!pool[v].seen.empty()) reach_m_[v] *= reach / static_cast<double>(pool[v].seen.size());
   }
   sights_.resize(num_places);
+  is_barred_.resize(num_places, 0);
 }
 
 double StereoGreedy::Worth(std::size_t view, Rule rule) const {
@@ -53,6 +54,7 @@ std::optional<std::size_t> StereoGreedy::Best(Rule rule) {
   std::vector<std::pair<double, std::size_t>> by_worth;
   for (std::size_t v = 0; v < pool_.size(); ++v) {
     if (gain_[v] * sun_[v] < least || is_refused_[v] != 0) continue;
+    if (is_barred_[pool_[v].place] != 0) continue;
     by_worth.emplace_back(-Worth(v, rule), v);
   }
   std::make_heap(by_worth.begin(), by_worth.end(), std::greater<>());
@@ -61,16 +63,22 @@ std::optional<std::size_t> StereoGreedy::Best(Rule rule) {
     const std::size_t v = by_worth.back().second;
     by_worth.pop_back();
     const PoolView& view = pool_[v];
+    if (is_barred_[view.place] != 0) continue;
     if (!tour_.Permits(view.position)) continue;
-    if (overlap_.IsEnough(view.position, view.direction, &sights_[view.place])) return v;
-    is_refused_[v] = 1;
+    if (!overlap_.IsEnough(view.position, view.direction, &sights_[view.place])) {
+      is_refused_[v] = 1;
+    } else if (MayReach(context_, view.position)) {
+      return v;
+    } else {
+      is_barred_[view.place] = 1;
+    }
   }
   return std::nullopt;
 }
 
 void StereoGreedy::UpdatePoint(std::uint32_t point) {
   for (Entry& entry : seen_by_[point]) {
-    const auto now = static_cast<float>(points_.StereoGain(point, pool_[entry.view].position));
+    const auto now = static_cast<float>(points_.Gain(point, pool_[entry.view].position));
     gain_[entry.view] += static_cast<double>(now) - static_cast<double>(entry.gain);
     entry.gain = now;
   }
@@ -97,8 +105,8 @@ bool StereoGreedy::Add(const PoolView& view) {
   if (is_asked) AskAgain(view);
   tour_.Insert(view.position);
   for (const std::uint32_t point : view.seen) {
-    if (points_.IsPredictedCovered(point)) continue;
-    coverage_ += points_.StereoGain(point, view.position);
+    if (points_.IsSatisfied(point)) continue;
+    coverage_ += points_.Gain(point, view.position);
     points_.AddGoodView(point, view.position);
     UpdatePoint(point);
   }
@@ -128,7 +136,9 @@ void StereoGreedy::Run(Rule rule, const JobControl& job) {
 std::vector<std::size_t> StereoGreedy::Wanting(std::size_t count) const {
   std::vector<std::size_t> views;
   for (std::size_t v = 0; v < pool_.size(); ++v) {
-    if (gain_[v] > kLeastGain && tour_.Permits(pool_[v].position)) views.push_back(v);
+    if (gain_[v] > kLeastGain && is_barred_[pool_[v].place] == 0 &&
+        tour_.Permits(pool_[v].position))
+      views.push_back(v);
   }
   std::stable_sort(views.begin(), views.end(),
                    [&](std::size_t a, std::size_t b) { return gain_[a] > gain_[b]; });

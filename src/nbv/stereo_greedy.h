@@ -37,7 +37,7 @@ class StereoGreedy {
   const std::vector<double>& shared_features() const { return shared_; }
   const ViewTour& tour() const { return tour_; }
   const FeatureOverlap& overlap() const { return overlap_; }
-  double coverage() const { return coverage_; }  // stereo coverage gained, in points
+  double coverage() const { return coverage_; }  // gained, in points
 
  private:
   struct Entry {
@@ -60,6 +60,7 @@ class StereoGreedy {
   std::vector<double> gain_;                 // of each view of the pool
   std::vector<double> sun_;
   std::vector<char> is_refused_;  // was found to share too few features
+  std::vector<char> is_barred_;   // place that no way leads to
   std::vector<double> reach_m_;   // from the middle of a view that shares features with it
   std::vector<FeatureOverlap::Sight> sights_;  // of each place
 

@@ -14,8 +14,11 @@ void RunPlaneSweep(const SearchContext& context, const std::vector<Anchor>& anch
 void RunSubmodular(const SearchContext& context, const std::vector<Anchor>& anchors,
                    const JobControl& job, ViewPlanResult* result);
 
-// "random" and "next_farthest_point".
+// "random", "next_farthest_point" and "hemisphere".
 void RunBaseline(const SearchContext& context, const JobControl& job, ViewPlanResult* result);
+
+// "smith2018".
+void RunSmith2018(const SearchContext& context, const JobControl& job, ViewPlanResult* result);
 
 // Where the tour starts.
 inline Eigen::Vector3d StartOf(const ViewPlanInput& input) {

@@ -102,6 +102,9 @@ void RunSubmodular(const SearchContext& context, const std::vector<Anchor>& anch
       Strided(IndicesOfUncovered(coverage), static_cast<std::size_t>(context.options.num_points));
   UncoveredPoints points(coverage, indices, context.options);
   points.AddExistingViews(context.input.existing, context.engine, coverage.min_projection_ratio);
+  if (context.options.objective == "predicted_error") {
+    points.PreferAccuracy(context.camera().fx * context.camera().fy, coverage.min_projection_ratio);
+  }
   job.ThrowIfCancelled();
   const Candidates pool = FindCandidates(context, points, indices, anchors);
   result->reachable_uncovered = static_cast<std::size_t>(

@@ -8,6 +8,11 @@
 #include "colmap_ext/coverage/projection_ratio.h"
 
 namespace colmap_ext {
+namespace {
+
+constexpr double kWorthOfOne = 0.25;  // of a single good view, objective of accuracy
+
+}  // namespace
 
 std::vector<std::size_t> IndicesOfUncovered(const CoverageMap& coverage) {
   std::vector<std::size_t> indices;
@@ -72,6 +77,56 @@ void UncoveredPoints::AddGoodView(std::size_t i, const Eigen::Vector3d& center) 
     }
   }
   good_directions_[i].push_back(direction);
+  if (goal_m_ <= 0) return;
+  worth_[i] += Gain(i, center);
+  good_views_[i].push_back(ViewFrom(i, center));
+}
+
+void UncoveredPoints::PreferAccuracy(double focal_squared, double min_projection_ratio) {
+  constexpr double kGoodAngle_deg = 15;
+  const ViewOfPoint one{Eigen::Vector3d::UnitX(), min_projection_ratio};
+  const double angle = DegToRad(kGoodAngle_deg);
+  const ViewOfPoint other{{std::cos(angle), std::sin(angle), 0}, min_projection_ratio};
+  goal_m_ = TriangulationError(one, other, 1);
+  focal_squared_ = focal_squared;
+  good_views_.assign(size(), {});
+  worth_.assign(size(), 0);
+  for (std::size_t i = 0; i < size(); ++i) {
+    // Existing views are noted by direction only: at the distance at which γ is the least.
+    for (const Eigen::Vector3d& direction : good_directions_[i]) {
+      const ViewOfPoint view{direction, min_projection_ratio};
+      worth_[i] = std::max(worth_[i], kWorthOfOne);
+      for (const ViewOfPoint& known : good_views_[i]) {
+        worth_[i] = std::max(worth_[i], WorthOfPair(known, view));
+      }
+      good_views_[i].push_back(view);
+    }
+  }
+}
+
+ViewOfPoint UncoveredPoints::ViewFrom(std::size_t i, const Eigen::Vector3d& center) const {
+  const Eigen::Vector3d offset = center - positions_[i];
+  const double distance = offset.norm();
+  const double ratio = focal_squared_ * normals_[i].dot(offset) / (distance * distance * distance);
+  return {offset / distance, std::max(ratio, 1e-9)};
+}
+
+double UncoveredPoints::WorthOfPair(const ViewOfPoint& first, const ViewOfPoint& second) const {
+  if (first.direction.dot(second.direction) < cos_max_pair_angle_) return 0;
+  const double error_m = TriangulationError(first, second, 1);
+  return kWorthOfOne + (1 - kWorthOfOne) * std::min(1.0, goal_m_ / error_m);
+}
+
+double UncoveredPoints::Gain(std::size_t i, const Eigen::Vector3d& center) const {
+  if (goal_m_ <= 0) return StereoGain(i, center);
+  const ViewOfPoint view = ViewFrom(i, center);
+  double best = kWorthOfOne;
+  for (const ViewOfPoint& known : good_views_[i]) best = std::max(best, WorthOfPair(known, view));
+  return std::max(0.0, best - worth_[i]);
+}
+
+bool UncoveredPoints::IsSatisfied(std::size_t i) const {
+  return goal_m_ > 0 ? worth_[i] >= 1 : is_predicted_covered_[i] != 0;
 }
 
 UncoveredPoints::Relation UncoveredPoints::RelationOf(std::size_t i,

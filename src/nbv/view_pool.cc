@@ -186,6 +186,17 @@ class Directions {
 
 }  // namespace
 
+std::size_t PartSeen(const std::vector<PoolView>& pool, std::size_t num_points,
+                     std::size_t uncovered) {
+  std::vector<char> is_seen(num_points, 0);
+  for (const PoolView& view : pool) {
+    for (const std::uint32_t point : view.seen) is_seen[point] = 1;
+  }
+  const auto num_seen = static_cast<double>(std::count(is_seen.begin(), is_seen.end(), 1));
+  return static_cast<std::size_t>(num_seen / static_cast<double>(num_points) *
+                                  static_cast<double>(uncovered));
+}
+
 PoolView EvaluateView(const SearchContext& context, const UncoveredPoints& points,
                       const Eigen::Vector3d& position, const ViewDirection& direction) {
   const std::vector<ViewDirection> directions = {direction};

@@ -29,6 +29,10 @@ struct ViewPool {
 // context) the views_a_position best are kept, each for what those before it do not see.
 ViewPool BuildViewPool(const SearchContext& context, const UncoveredPoints& points);
 
+// Of `uncovered` points as many as is the part that some view of the pool sees of `num_points`.
+std::size_t PartSeen(const std::vector<PoolView>& pool, std::size_t num_points,
+                     std::size_t uncovered);
+
 // One more view, as seen by the rules above; `place` is left 0.
 PoolView EvaluateView(const SearchContext& context, const UncoveredPoints& points,
                       const Eigen::Vector3d& position, const ViewDirection& direction);

@@ -139,6 +139,7 @@ struct FreeSpace::Impl {
 
   RayScene ray_scene;
   std::vector<Eigen::Vector3d> normals;  // unit, one a face
+  Eigen::AlignedBox3d bounds;
   double surface_top_m = -std::numeric_limits<double>::infinity();
   double known_above_m = std::numeric_limits<double>::infinity();  // z of the world
   std::vector<HalfSpace> hull;  // of the vouched places, margin included; empty: there are none
@@ -170,11 +171,14 @@ FreeSpace::FreeSpace(const Surface& surface, const std::vector<PosedPhoto>& phot
   impl_ = std::make_unique<Impl>(surface.mesh);
   // With no surface nothing is known about heights.
   if (!surface.mesh.vertices.empty()) {
-    impl_->surface_top_m = BoundsOf(surface.mesh).max().z();
+    impl_->bounds = BoundsOf(surface.mesh);
+    impl_->surface_top_m = impl_->bounds.max().z();
     if (options.above_top_m >= 0) {
       impl_->known_above_m = impl_->surface_top_m + options.above_top_m;
     }
   }
+  for (const Eigen::Vector3d& place : flown.vouched) impl_->bounds.extend(place);
+  for (const Eigen::Vector3d& place : flown.visited) impl_->bounds.extend(place);
   impl_->hull = HullAround(flown.vouched, options.flown_margin_m);
   impl_->visited = flown.visited;
   impl_->visited_margin_m = options.visited_margin_m;
@@ -205,6 +209,7 @@ bool FreeSpace::IsInsideSurface(const Eigen::Vector3d& point) const {
 }
 
 const RayScene& FreeSpace::ray_scene() const { return impl_->ray_scene; }
+const Eigen::AlignedBox3d& FreeSpace::Bounds() const { return impl_->bounds; }
 double FreeSpace::SurfaceTop() const { return impl_->surface_top_m; }
 
 bool FreeSpace::IsKnownFree(const Eigen::Vector3d& center, double radius_m) const {

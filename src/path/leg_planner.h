@@ -29,6 +29,12 @@ class LegPlanner {
   // As WhyNotFly, with what is known about the cells at hand.
   bool IsSegmentProved(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const;
 
+  // The search grid: whether the vehicle may be anywhere in a cell's middle, and fly straight from
+  // one cell's middle to a neighbour's (both free).
+  const VoxelGrid& grid() const { return grid_; }
+  bool IsFree(const Cell& cell) const;
+  bool IsStepProved(const Cell& from, const Cell& to) const;
+
   // The cell nearest to `point`, among those around it, that `is_reachable` accepts.
   std::optional<Eigen::Vector3d> NearestFreeCenter(
       const Eigen::Vector3d& point, int rings,
@@ -36,8 +42,6 @@ class LegPlanner {
 
  private:
   bool IsKnown(const Cell& cell) const;
-  bool IsFree(const Cell& cell) const;
-  bool IsStepProved(const Cell& from, const Cell& to) const;
   double ClearanceAt(const Cell& cell) const;
   std::vector<Eigen::Vector3d> PullStraight(const std::vector<Eigen::Vector3d>& polyline) const;
 

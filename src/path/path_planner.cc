@@ -9,17 +9,14 @@
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/text.h"
 #include "path/battery.h"
+#include "path/leave_start.h"
 #include "path/leg_table.h"
 #include "path/tour.h"
 
 namespace colmap_ext {
 namespace {
 
-// Clearances further than this are not told apart.
-constexpr double kMaxClearance_m = 50;
 constexpr double kClearanceTolerance_m = 0.02;
-
-std::string Metres(double value) { return FormatNumber("%.2f m", value); }
 
 // The volume in which detours are looked for: start, home and views, and room to fly around and
 // over the surface between them, but at most a cell lower than the lowest of them: what cannot be
@@ -42,36 +39,6 @@ Eigen::AlignedBox3d SearchBox(const std::vector<Eigen::Vector3d>& stays,
   box = Eigen::AlignedBox3d(box.min() - margin, box.max() + margin);
   box.min().z() = floor_m;
   return box;
-}
-
-// Where planning begins: `start` itself, or, when it is a little too near to the surface, the end
-// of a straight leg away from it.
-Polyline LeaveStart(const LegPlanner& planner, const Eigen::Vector3d& start,
-                    const PathOptions& options, const JobControl& job) {
-  const SegmentRules& rules = planner.rules();
-  if (planner.free_space().IsInsideSurface(start)) {
-    throw Error("path: cannot start from where the vehicle is: it is inside of the model");
-  }
-  const std::string complaint = WhyNotHover(planner.free_space(), rules, start);
-  if (complaint.empty()) return {start};
-  const RayScene& scene = planner.free_space().ray_scene();
-  const double clearance = scene.DistanceToSurface(start, kMaxClearance_m);
-  const double least = rules.ClearanceOfLine() - options.start_tolerance_m;
-  if (clearance >= least && rules.ClearanceOfLine() + rules.proof_tolerance_m > clearance) {
-    const double keep = std::max(0.0, clearance - 2 * options.proof_tolerance_m);
-    const int rings = 2 + static_cast<int>(options.start_tolerance_m / options.cell_size_m);
-    const auto away = planner.NearestFreeCenter(start, rings, [&](const Eigen::Vector3d& center) {
-      return ProveClearance(scene, start, center, keep, options.proof_tolerance_m) &&
-             (rules.unknown_is_free || IsSegmentKnown(planner.free_space(), start, center, 0));
-    });
-    if (away) {
-      job.Warn("path: the start is " + Metres(clearance) + " from the surface, nearer than the " +
-               "safe distance; leaving it first");
-      return {start, *away};
-    }
-  }
-  throw Error("path: cannot start from where the vehicle is: " + complaint +
-              "; move the vehicle or change --Path.safe_distance_m, --Path.free_volume or limits");
 }
 
 class Planner {

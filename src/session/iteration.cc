@@ -200,6 +200,7 @@ void RunPlanning(const IterationContext& context, const SessionState& state, Wor
     input.first_id = state.next_view_id;
     input.points = &work->photos.points;
     input.may_fly = FlyablePositions(space, path_options);
+    input.may_reach = ReachablePositions(space, start, path_options);
     input.limits = &path_options.limits;
     input.limits_margin_m = path_options.position_error_m;
     input.start = start;

@@ -150,7 +150,7 @@ TEST_P(EveryStrategy, RefusesBadOptions) {
 
 INSTANTIATE_TEST_SUITE_P(All, EveryStrategy,
                          ::testing::Values("plane_sweep", "submodular", "random",
-                                           "next_farthest_point"),
+                                           "next_farthest_point", "hemisphere", "smith2018"),
                          [](const auto& info) { return std::string(info.param); });
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <random>
 #include <set>
 
@@ -134,6 +135,59 @@ TEST(PlanPath, FliesUnseenSpaceOnlyAroundVouchedPhotos) {
   EXPECT_FALSE(space.IsKnownFree({4, -30, 6}, 2 * options.position_error_m + 0.1));
   options.vouched_photos.reset();  // a person flew both
   EXPECT_TRUE(PlanPath(start, views, MeshOf(kBlock), photos, options, {}).dropped_view_ids.empty());
+}
+
+// The vehicle is 1.4 m beside the known space, then 3 m: further than it can be off.
+TEST(PlanPath, LeavesAStartBesideWhatIsKnown) {
+  PathOptions options = Everywhere();
+  options.unknown = "occupied";
+  options.free_volume = "-40,-40,3,-20,40,20";
+  options.position_error_m = 0.5;
+  const std::vector<PlannedView> views = {ViewAt(0, -30, 10, 8)};
+  const FlightPath path = PlanPath({-18.6, 0, 8}, views, MeshOf(kBlock), {}, options, {});
+  EXPECT_TRUE(path.dropped_view_ids.empty());
+  ASSERT_GE(path.waypoints.size(), 3u);
+  EXPECT_LT(path.waypoints[1].position.x(), -20.5);
+  EXPECT_LT((path.waypoints[1].position - path.waypoints[0].position).norm(), 4.5);
+  EXPECT_EQ(PlanPath({-16, 0, 8}, views, MeshOf(kBlock), {}, options, {}).dropped_view_ids.size(),
+            1u);
+}
+
+// A pocket of known space that no way leads to, and one that is joined around a corner.
+TEST(ReachablePositions, AreThoseThatPlanPathReaches) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> x(-40, 40), z(3, 12);
+  PathOptions options = Everywhere();
+  options.unknown = "occupied";
+  options.position_error_m = 0.3;
+  options.free_volume =
+      "-40,-40,2,-8,-20,14;-40,-40,2,-28,40,14;-12,20,2,12,40,14;20,-40,2,40,0,14";
+  const Eigen::Vector3d start(-12, -30, 8);
+  const auto space =
+      std::make_shared<const FreeSpace>(KnownSpace(SurfaceOf(kBlock), {}, start, options));
+  const auto may_hover = FlyablePositions(space, options);
+  const auto may_reach = ReachablePositions(space, start, options);
+  EXPECT_TRUE(may_reach({-34, 34, 8}));  // around the corner
+  EXPECT_FALSE(may_reach({0, 30, 8}));   // free, but apart
+  EXPECT_FALSE(may_reach({30, -30, 8}));
+  int reached = 0, apart = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector3d place(x(random), x(random), z(random));
+    if (!may_hover(place)) continue;
+    const FlightPath path =
+        PlanPath(start, {ViewAt(0, place.x(), place.y(), place.z())}, *space, options, {});
+    EXPECT_EQ(may_reach(place), path.dropped_view_ids.empty()) << place.transpose();
+    ++(path.dropped_view_ids.empty() ? reached : apart);
+  }
+  EXPECT_GT(reached, 20);
+  EXPECT_GT(apart, 10);
+}
+
+TEST(ReachablePositions, SayNothingOfAStartThatPlanPathRefuses) {
+  const auto space =
+      std::make_shared<const FreeSpace>(KnownSpace(SurfaceOf(kBlock), {}, {0, 0, 5}, Everywhere()));
+  EXPECT_TRUE(ReachablePositions(space, {0, 0, 5}, Everywhere())({20, 0, 5}));
+  EXPECT_THROW(ReachablePositions(space, {NAN, 0, 5}, Everywhere()), Error);
 }
 
 TEST(KnownSpace, DoesNotTakeTheStartForVouched) {

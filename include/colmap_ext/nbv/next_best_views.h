@@ -24,7 +24,7 @@ namespace colmap_ext {
 // "ours".
 struct NextBestViewOptions {
   // "plane_sweep": the paper's search. Ours: "submodular". For comparison: "random",
-  // "next_farthest_point".
+  // "next_farthest_point", "hemisphere", "smith2018".
   std::string strategy = "plane_sweep";
 
   // --- All strategies ---
@@ -99,7 +99,7 @@ struct NextBestViewOptions {
   // that each are near to the one before.
   bool bridge = true;
 
-  // --- submodular, random, next_farthest_point: the pool of candidate views ---
+  // --- submodular and those for comparison: the pool of candidate views ---
   int num_positions = 1200;  // 10 … 100000
   int views_a_position = 4;  // 1 … 32 directions kept at each
   int num_points = 1500;     // uncovered points are thinned to about this many, 100 … 1000000
@@ -111,6 +111,9 @@ struct NextBestViewOptions {
   double max_tour_length_m = 0;
   double max_tour_duration_s = 0;
   bool return_to_start = false;
+  // What submodular adds to: "stereo", the paper's rule of a good pair; "predicted_error", how near
+  // the predicted error of the best pair comes to that of a good one.
+  std::string objective = "stereo";
   // A plan ends where the best view gains less than this part of the first one's gain, 0 … 1.
   double min_relative_gain = 0.05;
   // Of random, 1 …; ties elsewhere.
@@ -142,6 +145,10 @@ struct ViewPlanInput {
   // Views are only planned where it is true (null: everywhere). Give it the path planner's
   // FlyablePositions, else the loop can stall on views that no path leads to. Must be thread-safe.
   std::function<bool(const Eigen::Vector3d&)> may_fly = nullptr;
+  // Views are only chosen where it is true (null: everywhere). Give it the path planner's
+  // ReachablePositions, else the path stage drops views in pockets that no way leads to. Asked one
+  // place at a time, after everything else.
+  std::function<bool(const Eigen::Vector3d&)> may_reach = nullptr;
   const FlightLimits* limits = nullptr;  // null: none
   double limits_margin_m = 0;            // kept from them (position error), metres, >= 0
   std::optional<Eigen::Vector3d> start =
@@ -200,7 +207,14 @@ struct ViewPlanResult {
 // random, next_farthest_point: views of a pool that does not know what is covered; at random, or
 // each time the one furthest from all views so far.
 //
-// All respect distances, altitudes, the gimbal, `limits`, `may_fly` and registrability. Same result
+// hemisphere: views from a hemisphere over the model to its middle, each time the one furthest from
+// all views so far.
+//
+// smith2018: greedy choice from that pool by the reconstructability heuristic of Smith et al. 2018
+// (nbv/reconstructability.h), then each view is moved and turned while that raises it.
+//
+// All respect distances, altitudes, the gimbal, `limits`, `may_fly`, `may_reach` and
+// registrability. Same result
 // for any number of threads. Throws UsageError for bad options, Error when `existing` is empty.
 ViewPlanResult PlanNextViews(const ViewPlanInput& input, const NextBestViewOptions& options,
                              const JobControl& job);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -80,6 +81,8 @@ class FreeSpace {
   const RayScene& ray_scene() const;
   // z of the highest point of the surface; -infinity without one.
   double SurfaceTop() const;
+  // Of the surface and of where the vehicle has been; empty without both.
+  const Eigen::AlignedBox3d& Bounds() const;
 
  private:
   struct Impl;

@@ -58,7 +58,8 @@ struct PathOptions {
   double confident_spacing_m = 1;
   // The vehicle is where it is: its place may be nearer to the surface than the safe distance and
   // position error by this, metres, >= 0. It then leaves by a straight leg that never gets nearer
-  // than it is.
+  // than it is. Where what is known to be free begins no further than this and 2 position_error_m
+  // from it, it leaves by a straight leg there.
   double start_tolerance_m = 1;
   // Views and legs nearer than safe_distance_m + position_error_m + this are not proved, metres,
   // 0.002 … 1. Smaller values take more distance queries.
@@ -156,5 +157,15 @@ std::function<bool(const Eigen::Vector3d&)> FlyablePositions(const TriangleMesh&
                                                              const std::vector<PosedPhoto>& photos,
                                                              const Eigen::Vector3d& start,
                                                              const PathOptions& options);
+
+// Whether PlanPath would find a proved way from `start` to a place where the vehicle may hover, for
+// the choice of views: a straight one, or one through free cells around the surface and the places
+// flown so far. What is found out about a cell is kept; still much slower than FlyablePositions, so
+// ask it only of what would be chosen. From a start that PlanPath refuses every way counts as
+// found: PlanPath says why. Thread-safe (one at a time). Throws UsageError for bad options, Error
+// as PlanPath for a grid that is too large.
+std::function<bool(const Eigen::Vector3d&)> ReachablePositions(
+    std::shared_ptr<const FreeSpace> space, const Eigen::Vector3d& start,
+    const PathOptions& options);
 
 }  // namespace colmap_ext

@@ -42,8 +42,8 @@ void RunOpenMvs(const std::string& program, const std::vector<std::string>& argu
 fs::path ImportIntoOpenMvs(const DenseWorkspace& workspace, const JobControl& job) {
   fs::path scene = OpenMvsFolder(workspace) / "scene.mvs";
   RunOpenMvs(kInterfaceColmap,
-             {"-i", fs::absolute(workspace.folder).string() + "/", "-o", scene.string(), "--image-folder",
-              fs::absolute(workspace.images()).string()},
+             {"-i", fs::absolute(workspace.folder).string() + "/", "-o", scene.string(),
+              "--image-folder", fs::absolute(workspace.images()).string()},
              scene, workspace, job);
   return scene;
 }

@@ -3,10 +3,13 @@
 #include <iostream>
 
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/text.h"
 #include "manual.h"
 
 namespace colmap_ext {
 namespace {
+
+constexpr std::size_t kTextWidth = 96;  // that of the option table
 
 // The option set knows of text and of its table only.
 std::string HelpFormatIn(const std::vector<std::string>& arguments) {
@@ -43,7 +46,7 @@ void CommandLine::PrintHelp(const std::string& format) const {
   const std::string program = is_program ? name_ : "colmap_ext " + name_;
   if (format == "text") {
     std::cout << program << "\n\n"
-              << description_ << "\n\n"
+              << WrapText(description_, kTextWidth) << "\n\n"
               << options_.HelpText() << "\nExit codes: " << kExitCodes << ".\n";
     return;
   }

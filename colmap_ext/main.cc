@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "colmap_ext/util/text.h"
 #include "commands.h"
 #include "manual.h"
 #include "signal_watcher.h"
@@ -74,7 +75,12 @@ const Command* FindCommand(const std::string& name) {
 }
 
 int UnknownCommand(const std::string& name) {
-  std::cerr << "colmap_ext: no such command: " << name << "; `colmap_ext help` lists them\n";
+  std::vector<std::string> names;
+  for (const Command& command : kCommands) names.emplace_back(command.name);
+  const std::string nearest = NearestName(name, names);
+  std::cerr << "colmap_ext: no such command: " << name
+            << (nearest.empty() ? "" : " (did you mean " + nearest + "?)")
+            << "; `colmap_ext help` lists them\n";
   return 2;
 }
 

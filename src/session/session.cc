@@ -45,13 +45,14 @@ struct Listeners {
   SessionObserver* observer;  // may be null
 };
 
-void AnnounceResult(const IterationSummary& summary, const JobControl& job) {
+// `finished`: why nothing is flown next; empty when the planned views are.
+void AnnounceResult(const IterationSummary& summary, const std::string& finished,
+                    const JobControl& job) {
   char line[160];
-  std::snprintf(line, sizeof line,
-                "  %d of %d photos registered, %.1f %% covered, %d views planned",
-                summary.registered, summary.photos, 100.0 * summary.covered_ratio.value_or(0.0),
-                summary.planned_views);
-  job.Info(line);
+  std::snprintf(line, sizeof line, "  %d of %d photos registered, %.1f %% covered, ",
+                summary.registered, summary.photos, 100.0 * summary.covered_ratio.value_or(0.0));
+  const std::string views = std::to_string(summary.planned_views) + " views planned";
+  job.Info(line + views + (finished.empty() ? "" : ", none to be flown: " + finished));
 }
 
 // The results of an iteration count from the moment the state is replaced: until then a killed
@@ -69,7 +70,7 @@ void FinishIteration(const IterationResult& result, SeenInputs seen, const Liste
   WriteSessionState(session->state, session->workspace.state_json());
   WriteSessionPage(session->workspace, session->workspace.report(), session->inputs.image_path,
                    session->options.page, listeners.job);
-  AnnounceResult(result.summary, listeners.job);
+  AnnounceResult(result.summary, session->state.finished, listeners.job);
   if (listeners.observer != nullptr) {
     listeners.observer->OnIteration({iteration, session->workspace.iteration(iteration),
                                      session->summary.iterations.back(), session->state.finished});

@@ -26,6 +26,7 @@ TEST_F(Usage, HelpListsEveryCommand) {
 
 TEST_F(Usage, WrongUsageExitsWithTwo) {
   ExpectFailure(Run({"fly_away"}), 2, {"no such command", "fly_away"});
+  ExpectFailure(Run({"veiw_planner"}), 2, {"no such command", "did you mean view_planner?"});
   ExpectFailure(Run({"active_capture", "--no_such_option", "1"}), 2, {"no_such_option"});
   ExpectFailure(Run({"active_capture"}), 2, {"--workspace_path"});
   ExpectFailure(Run({"view_planner", "--NextBestView.num_views", "many"}), 2,

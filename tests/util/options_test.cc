@@ -56,7 +56,10 @@ TEST(Options, ParsesEveryType) {
 }
 
 TEST(Options, NamesWhatIsWrong) {
-  EXPECT_NE(ComplaintOf({"--Search.cuont", "3"}).find("Search.cuont"), std::string::npos);
+  const std::string misspelt = ComplaintOf({"--Search.cuont", "3"});
+  EXPECT_NE(misspelt.find("Search.cuont"), std::string::npos) << misspelt;
+  EXPECT_NE(misspelt.find("did you mean Search.count?"), std::string::npos) << misspelt;
+  EXPECT_EQ(ComplaintOf({"--magic", "3"}).find("did you mean"), std::string::npos);
   EXPECT_NE(ComplaintOf({"--Search.count", "3x"}).find("'3x' is not a whole number"),
             std::string::npos);
   EXPECT_NE(ComplaintOf({"--Search.fast", "maybe"}).find("--Search.fast"), std::string::npos);
@@ -90,6 +93,9 @@ TEST(Options, IniErrorsNameTheLine) {
   WriteFileAtomically(path, "[Unused]\nanything = 1\n[Search]\nwrong = 2\n");
   const std::string complaint = ComplaintOf({"--project_path", path.string()});
   EXPECT_NE(complaint.find(path.string() + ":4"), std::string::npos) << complaint;
+  WriteFileAtomically(path, "[Search]\nanlge_deg = 2\n");
+  EXPECT_NE(ComplaintOf({"--project_path", path.string()}).find("did you mean Search.angle_deg?"),
+            std::string::npos);
   WriteFileAtomically(path, "[Search]\ncount = many\n");
   EXPECT_NE(ComplaintOf({"--project_path", path.string()}).find(":2"), std::string::npos);
   fs::remove(path);

@@ -19,5 +19,21 @@ TEST(SplitAtCommas, KeepsEmptyPartsButTheLast) {
   EXPECT_EQ(SplitAtCommas(""), Parts{});
 }
 
+TEST(WrapText, BreaksAtSpaces) {
+  EXPECT_EQ(WrapText("one two three", 7), "one two\nthree");
+  EXPECT_EQ(WrapText("one two three", 100), "one two three");
+  EXPECT_EQ(WrapText("a incomprehensibility b", 5), "a\nincomprehensibility\nb");
+  EXPECT_EQ(WrapText("", 5), "");
+}
+
+TEST(NearestName, SuggestsWhatIsNearEnough) {
+  const std::vector<std::string> names = {"view_planner", "path_planner", "report_generator"};
+  EXPECT_EQ(NearestName("veiw_planner", names), "view_planner");
+  EXPECT_EQ(NearestName("path_planer", names), "path_planner");
+  EXPECT_EQ(NearestName("Report_Generator", names), "report_generator");
+  EXPECT_EQ(NearestName("mapper", names), "");
+  EXPECT_EQ(NearestName("", names), "");
+}
+
 }  // namespace
 }  // namespace colmap_ext

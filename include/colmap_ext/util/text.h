@@ -13,12 +13,13 @@ std::string FormatNumber(const char* format, double value);
 // are none.
 std::vector<std::string> SplitAtCommas(const std::string& text);
 
-// `text` in lines of at most `width` bytes, broken at spaces; longer words keep a line of their own.
+// `text` in lines of at most `width` bytes, broken at spaces; longer words keep a line of their
+// own.
 std::string WrapText(const std::string& text, std::size_t width);
 
 // What somebody who typed `name` may have meant: the one of `names` that takes the fewest inserted,
-// removed or changed letters, capitals and small ones alike, the first of several; "" when even that
-// is more than a third of the letters.
+// removed or changed letters, capitals and small ones alike, the first of several; "" when even
+// that is more than a third of the letters.
 std::string NearestName(const std::string& name, const std::vector<std::string>& names);
 
 }  // namespace colmap_ext

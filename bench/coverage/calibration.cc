@@ -10,7 +10,7 @@ namespace colmap_ext {
 namespace {
 
 constexpr std::array<double, 8> kThresholdsPx = {0.1, 0.2, 0.4, 0.7, 1.1, 1.7, 2.6, 4.0};
-constexpr int kNumUnknowns = 5;  // constant, stereo, support, views, steepness
+constexpr int kNumUnknowns = 5;  // constant, stereo, scatter, views, steepness
 using Row = Eigen::Matrix<double, kNumUnknowns, 1>;
 
 struct Observation {
@@ -36,7 +36,7 @@ std::vector<Observation> ObservationsOf(const std::vector<JudgedFlight>& flights
 
 // What keeps a view more from ever being harmful.
 struct Bounds {
-  bool sum_is_one = false;  // the support's exponent is what the stereo's leaves of 1
+  bool sum_is_one = false;  // the scatter's exponent is what the stereo's leaves of 1
   bool no_views = false;    // the exponent of the views is 0
 };
 
@@ -45,9 +45,9 @@ Row RowOf(const Observation& o, double log_t, const Bounds& bounds) {
   const double views = bounds.no_views ? 0.0 : -o.logs.views;
   Row row;
   if (bounds.sum_is_one) {
-    row << 1, o.logs.stereo - o.logs.support, 0, views, o.logs.support - log_t;
+    row << 1, o.logs.stereo - o.logs.scatter, 0, views, o.logs.scatter - log_t;
   } else {
-    row << 1, o.logs.stereo, o.logs.support, views, -log_t;
+    row << 1, o.logs.stereo, o.logs.scatter, views, -log_t;
   }
   return row;
 }
@@ -91,7 +91,7 @@ void FitFailure(const std::vector<JudgedFlight>& flights, ErrorModel* model) {
         if (!(point.cues.pixel_mm > 0)) continue;
         const CueLogs& logs = point.around;
         const Eigen::Vector4d row =
-            Eigen::Array4d(1, logs.stereo, logs.support, -logs.views) * is_free;
+            Eigen::Array4d(1, logs.stereo, logs.scatter, -logs.views) * is_free;
         const double p = 1 / (1 + std::exp(-std::clamp(row.dot(unknowns), -30.0, 30.0)));
         const double y = 1000 * point.true_error_m > kFailurePx * point.cues.pixel_mm ? 1 : 0;
         gradient += weight * (y - p) * row;
@@ -105,7 +105,7 @@ void FitFailure(const std::vector<JudgedFlight>& flights, ErrorModel* model) {
   }
   model->failure_constant = unknowns[0];
   model->failure_stereo = std::max(0.0, unknowns[1]);
-  model->failure_support = std::max(0.0, unknowns[2]);
+  model->failure_scatter = std::max(0.0, unknowns[2]);
   model->failure_views = std::max(0.0, unknowns[3]);
 }
 
@@ -128,7 +128,7 @@ ErrorModel FitErrorModel(const std::vector<JudgedFlight>& flights, const ErrorMo
   fitted.steepness = unknowns[4];
   fitted.scale = std::exp(unknowns[0] / unknowns[4]);
   fitted.stereo_exponent = unknowns[1] / unknowns[4];
-  fitted.support_exponent = unknowns[2] / unknowns[4];
+  fitted.scatter_exponent = unknowns[2] / unknowns[4];
   fitted.views_exponent = unknowns[3] / unknowns[4];
   FitFailure(flights, &fitted);
   return fitted;
@@ -137,12 +137,12 @@ ErrorModel FitErrorModel(const std::vector<JudgedFlight>& flights, const ErrorMo
 void ReportErrorModel(const std::string& name, const ErrorModel& model, BenchReport* report) {
   report->Add(name + ": scale", model.scale, "");
   report->Add(name + ": stereo_exponent", model.stereo_exponent, "");
-  report->Add(name + ": support_exponent", model.support_exponent, "");
+  report->Add(name + ": scatter_exponent", model.scatter_exponent, "");
   report->Add(name + ": views_exponent", model.views_exponent, "");
   report->Add(name + ": steepness", model.steepness, "");
   report->Add(name + ": failure_constant", model.failure_constant, "");
   report->Add(name + ": failure_stereo", model.failure_stereo, "");
-  report->Add(name + ": failure_support", model.failure_support, "");
+  report->Add(name + ": failure_scatter", model.failure_scatter, "");
   report->Add(name + ": failure_views", model.failure_views, "");
 }
 

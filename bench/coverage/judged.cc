@@ -139,7 +139,7 @@ JudgedFlight Judge(const Site& site, const FlightModels& models, const CoverageO
                  TrueError(index, samples, errors, nearest, 0.6 * judged.spacing_m),
                  (samples[nearest].position - point.position).norm(),
                  CuesOf(ViewsOf(point.position, point.normal, photos.photos, centers, engine),
-                        point.sample_spacing_m, DegToRad(options.error_model.max_angle_deg)),
+                        point.scatter_m, DegToRad(options.error_model.max_angle_deg)),
                  {},
                  paper.points[i].coverage,
                  cloud_spacing[i]};

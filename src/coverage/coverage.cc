@@ -78,8 +78,7 @@ SeenPoint LookAt(const std::vector<ViewOfPoint>& views, const Thresholds& limits
   point->num_good_views = static_cast<int>(good_views.size());
   point->coverage = Classify(point->sample_spacing_m, good_views, limits);
   const ErrorModel& model = limits.error_model;
-  const double spacing_m = limits.strong_spacing_m > 0 ? point->sample_spacing_m : 0.0;
-  const ErrorCues cues = CuesOf(views, spacing_m, DegToRad(model.max_angle_deg));
+  const ErrorCues cues = CuesOf(views, point->scatter_m, DegToRad(model.max_angle_deg));
   point->predicted_error_mm = PredictErrorMm(cues, model);
   return {true, LogsOf(cues, model)};
 }

@@ -32,11 +32,10 @@ double PredictedError(const std::vector<ViewOfPoint>& views, double sigma_px,
   return std::isfinite(smallest) ? smallest : -1.0;
 }
 
-ErrorCues CuesOf(const std::vector<ViewOfPoint>& views, double sample_spacing_m,
-                 double max_angle_rad) {
+ErrorCues CuesOf(const std::vector<ViewOfPoint>& views, double scatter_m, double max_angle_rad) {
   ErrorCues cues;
   cues.num_views = static_cast<int>(views.size());
-  cues.support_mm = 1000 * sample_spacing_m;
+  cues.scatter_mm = 1000 * scatter_m;
   double best_ratio = 0;
   for (const ViewOfPoint& view : views) best_ratio = std::max(best_ratio, view.projection_ratio);
   if (best_ratio > 0) cues.pixel_mm = 1000 / std::sqrt(best_ratio);
@@ -50,18 +49,18 @@ CueLogs LogsOf(const ErrorCues& cues, const ErrorModel& model) {
   const double stereo_px = !is_seen || cues.stereo_mm < 0
                                ? model.max_stereo_px
                                : std::min(model.max_stereo_px, cues.stereo_mm / cues.pixel_mm);
-  const double support_px =
-      is_seen && cues.support_mm > 0
-          ? std::clamp(cues.support_mm / cues.pixel_mm, model.min_support_px, model.max_support_px)
-          : model.typical_support_px;
-  return {std::log(stereo_px), std::log(support_px), std::log(cues.num_views + 1.0)};
+  const double scatter_px =
+      is_seen && cues.scatter_mm > 0
+          ? std::clamp(cues.scatter_mm / cues.pixel_mm, model.min_scatter_px, model.max_scatter_px)
+          : model.typical_scatter_px;
+  return {std::log(stereo_px), std::log(scatter_px), std::log(cues.num_views + 1.0)};
 }
 
 double PredictErrorMm(const ErrorCues& cues, const ErrorModel& model) {
   if (cues.num_views < 1 || !(cues.pixel_mm > 0)) return -1;
   const CueLogs logs = LogsOf(cues, model);
   return cues.pixel_mm * model.scale *
-         std::exp(model.stereo_exponent * logs.stereo + model.support_exponent * logs.support -
+         std::exp(model.stereo_exponent * logs.stereo + model.scatter_exponent * logs.scatter -
                   model.views_exponent * logs.views);
 }
 
@@ -76,7 +75,7 @@ std::vector<CueLogs> MeanLogsAround(const std::vector<Eigen::Vector3d>& position
     for (const PointNeighbor& neighbor : around) {
       const CueLogs& other = logs[static_cast<std::size_t>(neighbor.index)];
       means[i].stereo += share * other.stereo;
-      means[i].support += share * other.support;
+      means[i].scatter += share * other.scatter;
       means[i].views += share * other.views;
     }
   });
@@ -85,7 +84,7 @@ std::vector<CueLogs> MeanLogsAround(const std::vector<Eigen::Vector3d>& position
 
 double FailureProbability(const CueLogs& around, const ErrorModel& model) {
   const double f = model.failure_constant + model.failure_stereo * around.stereo +
-                   model.failure_support * around.support - model.failure_views * around.views;
+                   model.failure_scatter * around.scatter - model.failure_views * around.views;
   return 1 / (1 + std::exp(-f));
 }
 
@@ -98,24 +97,24 @@ double ProbabilityWithin(double target_mm, double predicted_mm, double failure,
 std::string ErrorModel::Check() const {
   const std::string prefix = "ErrorModel.";
   if (!(scale > 0)) return prefix + "scale must be above 0";
-  if (!(stereo_exponent >= 0 && support_exponent >= 0 && stereo_exponent + support_exponent <= 1)) {
-    return prefix + "stereo_exponent and support_exponent must be >= 0, together at most 1";
+  if (!(stereo_exponent >= 0 && scatter_exponent >= 0 && stereo_exponent + scatter_exponent <= 1)) {
+    return prefix + "stereo_exponent and scatter_exponent must be >= 0, together at most 1";
   }
   if (!(views_exponent >= 0)) return prefix + "views_exponent must be >= 0";
   if (!(steepness > 0)) return prefix + "steepness must be above 0";
   if (!std::isfinite(failure_constant)) return prefix + "failure_constant must be a number";
-  if (!(failure_stereo >= 0 && failure_support >= 0 && failure_views >= 0)) {
-    return prefix + "failure_stereo, failure_support and failure_views must be >= 0";
+  if (!(failure_stereo >= 0 && failure_scatter >= 0 && failure_views >= 0)) {
+    return prefix + "failure_stereo, failure_scatter and failure_views must be >= 0";
   }
   if (neighbors < 1 || neighbors > 1000) return prefix + "neighbors must be in 1 … 1000";
   if (!(max_angle_deg > 0 && max_angle_deg <= 180)) {
     return prefix + "max_angle_deg must be in (0, 180]";
   }
-  if (!(max_stereo_px > 0 && min_support_px > 0 && typical_support_px > 0)) {
-    return prefix + "max_stereo_px, min_support_px and typical_support_px must be above 0";
+  if (!(max_stereo_px > 0 && min_scatter_px > 0 && typical_scatter_px > 0)) {
+    return prefix + "max_stereo_px, min_scatter_px and typical_scatter_px must be above 0";
   }
-  if (!(max_support_px >= min_support_px)) {
-    return prefix + "max_support_px must be at least min_support_px";
+  if (!(max_scatter_px >= min_scatter_px)) {
+    return prefix + "max_scatter_px must be at least min_scatter_px";
   }
   return "";
 }
@@ -123,22 +122,22 @@ std::string ErrorModel::Check() const {
 void BindOptions(OptionSet& set, ErrorModel* model) {
   const std::string section = "ErrorModel";
   set.Add(section, "scale", &model->scale,
-          "predicted error in pixels of the best view where stereo and support are one pixel; half "
+          "predicted error in pixels of the best view where stereo and scatter are one pixel; half "
           "of it for a final model from photos of twice the width");
   set.Add(section, "stereo_exponent", &model->stereo_exponent,
           "how the error grows with that of the best pair of views, >= 0");
-  set.Add(section, "support_exponent", &model->support_exponent,
-          "how the error grows with the spacing of the points of the fast stereo, >= 0");
+  set.Add(section, "scatter_exponent", &model->scatter_exponent,
+          "how the error grows with the scatter of the points of the fast stereo, >= 0");
   set.Add(section, "views_exponent", &model->views_exponent,
           "how the error falls with the number of views, >= 0");
   set.Add(section, "steepness", &model->steepness,
           "of the probability that the error is within the target, > 0");
   set.Add(section, "failure_constant", &model->failure_constant,
-          "log-odds that the final model fails where stereo and support are one pixel");
+          "log-odds that the final model fails where stereo and scatter are one pixel");
   set.Add(section, "failure_stereo", &model->failure_stereo,
           "how these grow with the logarithm of the error of the best pair of views, >= 0");
-  set.Add(section, "failure_support", &model->failure_support,
-          "how these grow with the logarithm of the spacing of the points, >= 0");
+  set.Add(section, "failure_scatter", &model->failure_scatter,
+          "how these grow with the logarithm of the scatter of the points, >= 0");
   set.Add(section, "failure_views", &model->failure_views,
           "how these fall with the logarithm of the number of views + 1, >= 0");
   set.Add(section, "neighbors", &model->neighbors,
@@ -147,12 +146,12 @@ void BindOptions(OptionSet& set, ErrorModel* model) {
           "largest angle of a pair of views, degrees");
   set.Add(section, "max_stereo_px", &model->max_stereo_px,
           "error of a pair counts as so many pixels at most, and without a pair");
-  set.Add(section, "min_support_px", &model->min_support_px,
-          "spacing of the points counts as so many pixels at least");
-  set.Add(section, "max_support_px", &model->max_support_px,
-          "spacing of the points counts as so many pixels at most");
-  set.Add(section, "typical_support_px", &model->typical_support_px,
-          "spacing of the points in pixels where it is not known (a mesh of unknown origin)");
+  set.Add(section, "min_scatter_px", &model->min_scatter_px,
+          "scatter of the points counts as so many pixels at least");
+  set.Add(section, "max_scatter_px", &model->max_scatter_px,
+          "scatter of the points counts as so many pixels at most");
+  set.Add(section, "typical_scatter_px", &model->typical_scatter_px,
+          "scatter of the points in pixels where it is not known (a mesh of unknown origin)");
 }
 
 }  // namespace colmap_ext

@@ -56,15 +56,28 @@ Eigen::Vector3d DiskNormal(const TriangleMesh& mesh,
   return normal.norm() > kMinLength ? normal.normalized() : sample.normal;
 }
 
+void RequireOneAVertex(const std::string& name, const std::vector<double>& values,
+                       const TriangleMesh& mesh) {
+  if (values.empty() || values.size() == mesh.vertices.size()) return;
+  throw Error("the surface has " + std::to_string(mesh.vertices.size()) + " vertices but " +
+              std::to_string(values.size()) + " values of " + name);
+}
+
+// On a face, from the values of the vertices; `unknown` without them.
+double Interpolated(const std::vector<double>& values, const Eigen::Vector3i& face,
+                    const Eigen::Vector3d& weights, double unknown) {
+  if (values.empty()) return unknown;
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) sum += weights[k] * values[static_cast<std::size_t>(face[k])];
+  return sum;
+}
+
 }  // namespace
 
 IsoPoints SampleIsoPoints(const Surface& surface, double spacing_m, std::uint64_t seed) {
   const TriangleMesh& mesh = surface.mesh;
-  if (!surface.sample_spacing_m.empty() &&
-      surface.sample_spacing_m.size() != mesh.vertices.size()) {
-    throw Error("the surface has " + std::to_string(mesh.vertices.size()) + " vertices but " +
-                std::to_string(surface.sample_spacing_m.size()) + " values of sample_spacing_m");
-  }
+  RequireOneAVertex("sample_spacing_m", surface.sample_spacing_m, mesh);
+  RequireOneAVertex("scatter_m", surface.scatter_m, mesh);
   double area = 0;
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) area += FaceArea(mesh, f);
   if (!(area > 0) || !std::isfinite(area)) {
@@ -80,15 +93,9 @@ IsoPoints SampleIsoPoints(const Surface& surface, double spacing_m, std::uint64_
     point.position = sample.position;
     const Eigen::Vector3d weights = CornerWeights(mesh, sample);
     point.normal = DiskNormal(mesh, vertex_normals, sample, weights, iso.spacing_m);
-    point.sample_spacing_m = no_support;
-    if (!surface.sample_spacing_m.empty()) {
-      const Eigen::Vector3i& face = mesh.faces[static_cast<std::size_t>(sample.face)];
-      point.sample_spacing_m = 0;
-      for (int k = 0; k < 3; ++k) {
-        point.sample_spacing_m +=
-            weights[k] * surface.sample_spacing_m[static_cast<std::size_t>(face[k])];
-      }
-    }
+    const Eigen::Vector3i& face = mesh.faces[static_cast<std::size_t>(sample.face)];
+    point.sample_spacing_m = Interpolated(surface.sample_spacing_m, face, weights, no_support);
+    point.scatter_m = Interpolated(surface.scatter_m, face, weights, 0);
     iso.points.push_back(point);
   }
   iso.disk_area_m2 = area / static_cast<double>(iso.points.size());

@@ -298,7 +298,7 @@ std::function<bool(const Eigen::Vector3d&)> FlyablePositions(const TriangleMesh&
                                                              const Eigen::Vector3d& start,
                                                              const PathOptions& options) {
   return FlyablePositions(
-      std::make_shared<const FreeSpace>(KnownSpace({surface, {}, {}}, photos, start, options)),
+      std::make_shared<const FreeSpace>(KnownSpace({surface, {}, {}, {}}, photos, start, options)),
       options);
 }
 
@@ -319,7 +319,7 @@ FlightPath PlanPath(const Eigen::Vector3d& start, const std::vector<PlannedView>
 FlightPath PlanPath(const Eigen::Vector3d& start, const std::vector<PlannedView>& views,
                     const TriangleMesh& surface, const std::vector<PosedPhoto>& photos,
                     const PathOptions& options, const JobControl& job) {
-  return PlanPath(start, views, Surface{surface, {}, {}}, photos, options, job);
+  return PlanPath(start, views, Surface{surface, {}, {}, {}}, photos, options, job);
 }
 
 }  // namespace colmap_ext

@@ -57,8 +57,9 @@ void CheckWritable(const CoverageMap& map, const std::string& path) {
   for (std::size_t i = 0; i < map.points.size(); ++i) {
     const IsoPoint& point = map.points[i];
     if (!point.position.allFinite() || !point.normal.allFinite() ||
-        !std::isfinite(point.sample_spacing_m) || !std::isfinite(point.best_projection_ratio) ||
-        !std::isfinite(point.predicted_error_mm) || !std::isfinite(point.score)) {
+        !std::isfinite(point.sample_spacing_m) || !std::isfinite(point.scatter_m) ||
+        !std::isfinite(point.best_projection_ratio) || !std::isfinite(point.predicted_error_mm) ||
+        !std::isfinite(point.score)) {
       throw Error(path + ": iso-point " + std::to_string(i) + " is not finite");
     }
   }
@@ -75,8 +76,8 @@ PlyElement ElementFromPoints(const std::vector<IsoPoint>& points) {
   const std::size_t count = points.size();
   std::vector<Eigen::Vector3d> positions(count), normals(count);
   std::vector<Rgb8> colors(count);
-  std::vector<double> classes(count), views(count), spacing(count), ratio(count), error(count),
-      score(count);
+  std::vector<double> classes(count), views(count), spacing(count), scatter(count), ratio(count),
+      error(count), score(count);
   for (std::size_t i = 0; i < count; ++i) {
     positions[i] = points[i].position;
     normals[i] = points[i].normal;
@@ -84,6 +85,7 @@ PlyElement ElementFromPoints(const std::vector<IsoPoint>& points) {
     classes[i] = static_cast<double>(points[i].coverage);
     views[i] = points[i].num_good_views;
     spacing[i] = points[i].sample_spacing_m;
+    scatter[i] = points[i].scatter_m;
     ratio[i] = points[i].best_projection_ratio;
     error[i] = points[i].predicted_error_mm;
     score[i] = points[i].score;
@@ -97,6 +99,7 @@ PlyElement ElementFromPoints(const std::vector<IsoPoint>& points) {
   AddNumbers("class", PlyType::kUInt8, std::move(classes), &rows);
   AddNumbers("num_good_views", PlyType::kInt32, std::move(views), &rows);
   AddNumbers("sample_spacing_m", PlyType::kFloat64, std::move(spacing), &rows);
+  AddNumbers("scatter_m", PlyType::kFloat64, std::move(scatter), &rows);
   AddNumbers("best_projection_ratio", PlyType::kFloat64, std::move(ratio), &rows);
   AddNumbers("predicted_error_mm", PlyType::kFloat64, std::move(error), &rows);
   AddNumbers("score", PlyType::kFloat64, std::move(score), &rows);
@@ -142,13 +145,18 @@ CoverageMap ReadCoverageMap(const std::filesystem::path& path) {
   const auto& spacing = rows.Numbers("sample_spacing_m");
   const auto& ratio = rows.Numbers("best_projection_ratio");
   const auto& error = rows.Numbers("predicted_error_mm");
-  const bool has_score = data.FindElement("vertex")->FindScalar("score") != nullptr;
+  // Maps of earlier versions have neither.
+  const auto has = [&data](const char* name) {
+    return data.FindElement("vertex")->FindScalar(name) != nullptr;
+  };
+  const bool has_score = has("score"), has_scatter = has("scatter_m");
   map.points.resize(rows.NumRows());
   for (std::size_t i = 0; i < map.points.size(); ++i) {
     map.points[i] = {.position = positions[i],
                      .normal = normals[i],
                      .coverage = static_cast<CoverageClass>(classes[i]),
                      .sample_spacing_m = spacing[i],
+                     .scatter_m = has_scatter ? rows.Numbers("scatter_m")[i] : 0.0,
                      .num_good_views = views[i],
                      .best_projection_ratio = ratio[i],
                      .predicted_error_mm = error[i],

@@ -109,6 +109,18 @@ PlyElement FaceElement(const TriangleMesh& mesh) {
   return faces;
 }
 
+void CheckSignal(const std::string& name, const std::vector<double>& values,
+                 const TriangleMesh& mesh, const std::filesystem::path& path) {
+  if (values.size() != mesh.vertices.size()) {
+    throw Error(path.string() + ": " + std::to_string(values.size()) + " values of " + name +
+                " for " + std::to_string(mesh.vertices.size()) + " vertices");
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (std::isfinite(values[i])) continue;
+    throw Error(path.string() + ": " + name + " of vertex " + std::to_string(i) + " is not finite");
+  }
+}
+
 }  // namespace
 
 TriangleMesh ReadMesh(const std::filesystem::path& path) { return ReadColoredMesh(path).mesh; }
@@ -137,25 +149,22 @@ Surface ReadSurface(const std::filesystem::path& path) {
   Surface surface;
   surface.mesh = std::move(colored.mesh);
   surface.color = std::move(colored.color);
-  surface.sample_spacing_m = ColumnReader(data, "vertex", path).Numbers("sample_spacing_m");
+  const ColumnReader vertices(data, "vertex", path);
+  surface.sample_spacing_m = vertices.Numbers("sample_spacing_m");
+  if (data.FindElement("vertex")->FindScalar("scatter_m") != nullptr) {
+    surface.scatter_m = vertices.Numbers("scatter_m");
+  }
   return surface;
 }
 
 void WriteSurface(const Surface& surface, const std::filesystem::path& path) {
   CheckWritable(surface.mesh, surface.color, path.string());
-  if (surface.sample_spacing_m.size() != surface.mesh.vertices.size()) {
-    throw Error(path.string() + ": " + std::to_string(surface.sample_spacing_m.size()) +
-                " values of sample_spacing_m for " + std::to_string(surface.mesh.vertices.size()) +
-                " vertices");
-  }
-  for (std::size_t i = 0; i < surface.sample_spacing_m.size(); ++i) {
-    if (!std::isfinite(surface.sample_spacing_m[i])) {
-      throw Error(path.string() + ": sample_spacing_m of vertex " + std::to_string(i) +
-                  " is not finite");
-    }
-  }
+  CheckSignal("sample_spacing_m", surface.sample_spacing_m, surface.mesh, path);
+  const bool has_scatter = !surface.scatter_m.empty();
+  if (has_scatter) CheckSignal("scatter_m", surface.scatter_m, surface.mesh, path);
   PlyElement vertices = VertexElement(surface.mesh);
   AddNumbers("sample_spacing_m", PlyType::kFloat64, surface.sample_spacing_m, &vertices);
+  if (has_scatter) AddNumbers("scatter_m", PlyType::kFloat64, surface.scatter_m, &vertices);
   AddVertexColors(surface.color, &vertices);
   PlyData data;
   data.elements = {std::move(vertices), FaceElement(surface.mesh)};

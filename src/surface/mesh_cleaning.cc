@@ -40,6 +40,7 @@ Surface KeepFaces(const Surface& surface, const std::vector<bool>& keep) {
     new_index[v] = static_cast<int>(kept.mesh.vertices.size());
     kept.mesh.vertices.push_back(surface.mesh.vertices[v]);
     kept.sample_spacing_m.push_back(surface.sample_spacing_m[v]);
+    kept.scatter_m.push_back(surface.scatter_m[v]);
     kept.color.push_back(surface.color[v]);
   }
   for (std::size_t f = 0; f < surface.mesh.faces.size(); ++f) {

@@ -76,10 +76,11 @@ std::vector<bool> SupportedFaces(const TriangleMesh& mesh, const std::vector<dou
 }
 
 // Cuts the raw surface at the box and where nothing supports it, and drops crumbs.
-Surface Clean(PoissonMesh raw, SupportSpacing spacing, const BoundingBox& box, double trim_m,
+Surface Clean(PoissonMesh raw, SupportSignal signal, const BoundingBox& box, double trim_m,
               const SurfaceOptions& options) {
-  const std::vector<bool> supported = SupportedFaces(raw.mesh, spacing.all, box, trim_m);
-  Surface surface{std::move(raw.mesh), std::move(spacing.independent), std::move(raw.colors)};
+  const std::vector<bool> supported = SupportedFaces(raw.mesh, signal.spacing, box, trim_m);
+  Surface surface{std::move(raw.mesh), std::move(signal.independent_spacing),
+                  std::move(signal.scatter), std::move(raw.colors)};
   surface = KeepFaces(surface, supported);
   const double min_area = options.min_component_area_m2 > 0 ? options.min_component_area_m2
                                                             : 0.002 * TotalArea(surface.mesh);
@@ -166,12 +167,12 @@ Surface ReconstructSurface(const OrientedPoints& points, const RegionOfInterest&
   job.Progress(kStage, 2, kSteps);
 
   const double diagonal = region.box.diagonal().norm();
-  SupportSpacing spacing = ComputeSupportSpacing(cloud, raw.mesh, box.diagonal().norm());
+  SupportSignal signal = ComputeSupportSignal(cloud, raw.mesh, box.diagonal().norm());
   job.ThrowIfCancelled();
   job.Progress(kStage, 3, kSteps);
 
   const double trim = options.trim_spacing_m > 0 ? options.trim_spacing_m : 0.05 * diagonal;
-  Surface surface = Clean(std::move(raw), std::move(spacing), box, trim, options);
+  Surface surface = Clean(std::move(raw), std::move(signal), box, trim, options);
   if (surface.mesh.faces.empty()) {
     throw Error("no surface is left where points are nearer than " + Metres(trim) +
                 " to each other; raise --SurfaceReconstructor.trim_spacing_m");

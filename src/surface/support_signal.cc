@@ -39,6 +39,21 @@ struct Support {
   }
 };
 
+// Of points along a normal.
+class Scatter {
+ public:
+  void Add(double weight, double offset_m, double squared_scatter_m2) {
+    weight_ += weight;
+    squares_ += weight * (offset_m * offset_m + squared_scatter_m2);
+  }
+  double Rms(double max_m) const {
+    return weight_ > 0 ? std::min(max_m, std::sqrt(squares_ / weight_)) : max_m;
+  }
+
+ private:
+  double weight_ = 0, squares_ = 0;
+};
+
 double SpacingOf(double weight, double squared_radius, double max_spacing_m) {
   if (!(weight > 0)) return max_spacing_m;
   return std::min(max_spacing_m, std::sqrt(std::numbers::pi * squared_radius / weight));
@@ -46,37 +61,44 @@ double SpacingOf(double weight, double squared_radius, double max_spacing_m) {
 
 }  // namespace
 
-SupportSpacing ComputeSupportSpacing(const ThinnedCloud& cloud, const TriangleMesh& mesh,
-                                     double max_spacing_m) {
+SupportSignal ComputeSupportSignal(const ThinnedCloud& cloud, const TriangleMesh& mesh,
+                                   double max_spacing_m) {
   const NeighborSearch search(cloud.positions);
   const std::vector<Eigen::Vector3d> vertex_normals = VertexNormals(mesh);
-  SupportSpacing spacing;
-  spacing.all.resize(mesh.vertices.size());
-  spacing.independent.resize(mesh.vertices.size());
+  SupportSignal signal;
+  signal.spacing.resize(mesh.vertices.size());
+  signal.independent_spacing.resize(mesh.vertices.size());
+  signal.scatter.resize(mesh.vertices.size());
   const auto compute_vertex = [&](std::size_t vertex) {
     const std::vector<Neighbor> neighbors = search.Nearest(mesh.vertices[vertex], kNumNeighbors);
+    const Eigen::Vector3d& normal = vertex_normals[vertex];
     Support support;
+    Scatter scatter;
     double weight_of_all = 0;
     // The furthest neighbour bounds the disk, and is not counted inside it: without that the
     // density of k points would come out k / (k - 1) times too high.
     for (std::size_t i = 0; i + 1 < neighbors.size(); ++i) {
       const std::size_t point = neighbors[i].index;
-      const bool agrees = cloud.normals[point].dot(vertex_normals[vertex]) >= kMinCosNormals;
+      const bool agrees = cloud.normals[point].dot(normal) >= kMinCosNormals;
       for (std::size_t k = cloud.photo_begin[point]; k < cloud.photo_begin[point + 1]; ++k) {
         weight_of_all += cloud.photo_weights[k].weight;
-        if (agrees) support.Add(cloud.photo_weights[k]);
+        if (!agrees) continue;
+        support.Add(cloud.photo_weights[k]);
+        const double offset = normal.dot(cloud.positions[point] - mesh.vertices[vertex]);
+        scatter.Add(cloud.photo_weights[k].weight, offset, cloud.squared_scatter[point]);
       }
     }
     const double squared_radius = neighbors.back().squared_distance;
-    spacing.all[vertex] = SpacingOf(weight_of_all, squared_radius, max_spacing_m);
-    spacing.independent[vertex] =
+    signal.spacing[vertex] = SpacingOf(weight_of_all, squared_radius, max_spacing_m);
+    signal.independent_spacing[vertex] =
         SpacingOf(support.WithoutStrongestPhoto(), squared_radius, max_spacing_m);
+    signal.scatter[vertex] = scatter.Rms(max_spacing_m);
   };
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.vertices.size(), 256),
                     [&](const tbb::blocked_range<std::size_t>& range) {
                       for (std::size_t i = range.begin(); i < range.end(); ++i) compute_vertex(i);
                     });
-  return spacing;
+  return signal;
 }
 
 }  // namespace colmap_ext

@@ -1,4 +1,4 @@
-// How densely points support a surface.
+// How densely, and how closely, points support a surface.
 #pragma once
 
 #include <vector>
@@ -8,17 +8,19 @@
 
 namespace colmap_ext {
 
-// One entry a vertex, metres, both at most `max_spacing_m`.
-struct SupportSpacing {
-  // Of all points, whatever their normals: how far from any support a vertex is.
-  std::vector<double> all;
+// One entry a vertex, metres, all at most `max_spacing_m`.
+struct SupportSignal {
+  // Spacing of all points, whatever their normals: how far from any support a vertex is.
+  std::vector<double> spacing;
   // Of points whose normals agree with the vertex's, without the photo that gives most (poisson.h).
-  std::vector<double> independent;
+  std::vector<double> independent_spacing;
+  // RMS distance of the points from the vertex along its normal (poisson.h).
+  std::vector<double> scatter;
 };
 
-// Spacing of the points around each vertex of `mesh`, from its 24 nearest points; those whose
-// normals differ by more than 60° from the vertex's do not support it.
-SupportSpacing ComputeSupportSpacing(const ThinnedCloud& cloud, const TriangleMesh& mesh,
-                                     double max_spacing_m);
+// Of the 24 points nearest to each vertex of `mesh`; those whose normals differ by more than 60°
+// from the vertex's do not support it.
+SupportSignal ComputeSupportSignal(const ThinnedCloud& cloud, const TriangleMesh& mesh,
+                                   double max_spacing_m);
 
 }  // namespace colmap_ext

@@ -44,6 +44,7 @@ class VoxelSum {
  public:
   void Add(const OrientedPoint& point) {
     const double weight = point.confidence;
+    points_.push_back(&point);
     weight_ += weight;
     position_ += weight * point.position;
     normal_ += weight * point.normal.normalized();
@@ -61,9 +62,21 @@ class VoxelSum {
     cloud->colors.push_back(color_ / (255.0 * weight_));
     cloud->photo_weights.insert(cloud->photo_weights.end(), photos_.begin(), photos_.end());
     cloud->photo_begin.push_back(cloud->photo_weights.size());
+    cloud->squared_scatter.push_back(
+        SquaredScatter(cloud->positions.back(), cloud->normals.back()));
   }
 
  private:
+  double SquaredScatter(const Eigen::Vector3d& mean, const Eigen::Vector3d& normal) const {
+    double sum = 0;
+    for (const OrientedPoint* point : points_) {
+      const double offset = normal.dot(point->position - mean);
+      sum += point->confidence * offset * offset;
+    }
+    return sum / weight_;
+  }
+
+  std::vector<const OrientedPoint*> points_;
   double weight_ = 0;
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d normal_ = Eigen::Vector3d::Zero();

@@ -20,6 +20,7 @@ struct ThinnedCloud {
   std::vector<Eigen::Vector3d> positions;  // confidence-weighted means
   std::vector<Eigen::Vector3d> normals;    // unit
   std::vector<Eigen::Vector3d> colors;     // RGB 0 … 1
+  std::vector<double> squared_scatter;     // m², of the merged points along the normal, weighted
   // Point i owns photo_weights[photo_begin[i]] … photo_weights[photo_begin[i + 1] - 1].
   std::vector<std::size_t> photo_begin;
   std::vector<PhotoWeight> photo_weights;

@@ -55,7 +55,7 @@ TEST(CuesOf, AreWhatThePhotosSee) {
   const ErrorCues cues = Cues({View(0, 2500), View(10, 625), View(90, 100)}, 0.07);
   EXPECT_EQ(cues.num_views, 3);
   EXPECT_NEAR(cues.pixel_mm, 20, 1e-9);
-  EXPECT_NEAR(cues.support_mm, 70, 1e-9);
+  EXPECT_NEAR(cues.scatter_mm, 70, 1e-9);
   EXPECT_NEAR(cues.stereo_mm, 1000 * TriangulationError(View(0, 2500), View(10, 625), 1), 1e-9);
   EXPECT_EQ(Cues({View(0, 2500)}, 0).stereo_mm, -1);
   EXPECT_EQ(Cues({}, 0).num_views, 0);
@@ -63,33 +63,33 @@ TEST(CuesOf, AreWhatThePhotosSee) {
 
 TEST(PredictErrorMm, FollowsItsEquation) {
   const ErrorModel model;
-  const ErrorCues cues{.num_views = 4, .pixel_mm = 20, .stereo_mm = 160, .support_mm = 100};
+  const ErrorCues cues{.num_views = 4, .pixel_mm = 20, .stereo_mm = 160, .scatter_mm = 100};
   EXPECT_NEAR(PredictErrorMm(cues, model),
               20 * model.scale * std::pow(8, model.stereo_exponent) *
-                  std::pow(5, model.support_exponent) * std::pow(5, -model.views_exponent),
+                  std::pow(5, model.scatter_exponent) * std::pow(5, -model.views_exponent),
               1e-9);
 }
 
 TEST(PredictErrorMm, ASceneTenTimesAsLargeErrsTenTimesAsMuch) {
   const ErrorModel model;
-  const ErrorCues small{.num_views = 3, .pixel_mm = 3, .stereo_mm = 30, .support_mm = 12};
-  const ErrorCues large{.num_views = 3, .pixel_mm = 30, .stereo_mm = 300, .support_mm = 120};
+  const ErrorCues small{.num_views = 3, .pixel_mm = 3, .stereo_mm = 30, .scatter_mm = 12};
+  const ErrorCues large{.num_views = 3, .pixel_mm = 30, .stereo_mm = 300, .scatter_mm = 120};
   EXPECT_NEAR(PredictErrorMm(large, model), 10 * PredictErrorMm(small, model), 1e-9);
 }
 
 TEST(PredictErrorMm, WhatIsNotKnownIsTheWorstOrTheTypical) {
   const ErrorModel model;
   EXPECT_EQ(PredictErrorMm(ErrorCues(), model), -1);
-  const ErrorCues one_view{.num_views = 1, .pixel_mm = 20, .stereo_mm = -1, .support_mm = 100};
-  const ErrorCues bad_pair{.num_views = 1, .pixel_mm = 20, .stereo_mm = 1e6, .support_mm = 100};
+  const ErrorCues one_view{.num_views = 1, .pixel_mm = 20, .stereo_mm = -1, .scatter_mm = 100};
+  const ErrorCues bad_pair{.num_views = 1, .pixel_mm = 20, .stereo_mm = 1e6, .scatter_mm = 100};
   EXPECT_EQ(PredictErrorMm(one_view, model), PredictErrorMm(bad_pair, model));
-  const ErrorCues unknown{.num_views = 3, .pixel_mm = 20, .stereo_mm = 90, .support_mm = 0};
+  const ErrorCues unknown{.num_views = 3, .pixel_mm = 20, .stereo_mm = 90, .scatter_mm = 0};
   ErrorCues typical = unknown;
-  typical.support_mm = 20 * model.typical_support_px;
+  typical.scatter_mm = 20 * model.typical_scatter_px;
   EXPECT_NEAR(PredictErrorMm(unknown, model), PredictErrorMm(typical, model), 1e-9);
 }
 
-// Views may only help, whatever they are; so may support.
+// Views may only help, whatever they are; so may points nearer to the surface.
 TEST(PredictErrorMm, AViewMoreNeverMakesItWorse) {
   const ErrorModel model;
   std::mt19937 random(7);
@@ -123,7 +123,7 @@ TEST(FailureProbability, FollowsItsEquation) {
   const ErrorModel model;
   const CueLogs around{std::log(8), std::log(5), std::log(4)};
   const double odds = std::exp(model.failure_constant) * std::pow(8, model.failure_stereo) *
-                      std::pow(5, model.failure_support) * std::pow(4, -model.failure_views);
+                      std::pow(5, model.failure_scatter) * std::pow(4, -model.failure_views);
   EXPECT_NEAR(FailureProbability(around, model), odds / (1 + odds), 1e-12);
 }
 
@@ -141,7 +141,7 @@ TEST(MeanLogsAround, TakesTheNearestAndItself) {
   const std::vector<CueLogs> logs = {{3, 0, 6}, {6, 3, 0}, {9, 6, 3}, {30, 30, 30}};
   const std::vector<CueLogs> means = MeanLogsAround(line, logs, 3);
   EXPECT_NEAR(means[0].stereo, 6, 1e-12);
-  EXPECT_NEAR(means[0].support, 3, 1e-12);
+  EXPECT_NEAR(means[0].scatter, 3, 1e-12);
   EXPECT_NEAR(means[0].views, 3, 1e-12);
   EXPECT_NEAR(means[3].stereo, 15, 1e-12);
   // One neighbour is the place itself; more than there are is all of them.
@@ -158,13 +158,13 @@ TEST(ErrorModel, WrongConstantsAreNamed) {
   };
   EXPECT_EQ(ErrorModel().Check(), "");
   EXPECT_THAT(complaint(&ErrorModel::scale, 0), ::testing::HasSubstr("ErrorModel.scale"));
-  EXPECT_THAT(complaint(&ErrorModel::support_exponent, 0.9), ::testing::HasSubstr("at most 1"));
+  EXPECT_THAT(complaint(&ErrorModel::scatter_exponent, 0.9), ::testing::HasSubstr("at most 1"));
   EXPECT_THAT(complaint(&ErrorModel::views_exponent, -1), ::testing::HasSubstr("views_exponent"));
   EXPECT_THAT(complaint(&ErrorModel::steepness, 0), ::testing::HasSubstr("steepness"));
   EXPECT_THAT(complaint(&ErrorModel::failure_views, -1), ::testing::HasSubstr("failure_views"));
   EXPECT_THAT(complaint(&ErrorModel::max_angle_deg, 200), ::testing::HasSubstr("max_angle_deg"));
   EXPECT_THAT(complaint(&ErrorModel::max_stereo_px, 0), ::testing::HasSubstr("max_stereo_px"));
-  EXPECT_THAT(complaint(&ErrorModel::max_support_px, 0.1), ::testing::HasSubstr("at least"));
+  EXPECT_THAT(complaint(&ErrorModel::max_scatter_px, 0.05), ::testing::HasSubstr("at least"));
 }
 
 }  // namespace

@@ -72,10 +72,12 @@ TEST(SampleIsoPoints, SignalIsInterpolatedOnTheFace) {
   Surface surface = Wall();
   for (const Eigen::Vector3d& vertex : surface.mesh.vertices) {
     surface.sample_spacing_m.push_back(1 + 0.1 * vertex.x() + 0.02 * vertex.z());
+    surface.scatter_m.push_back(2 - 0.1 * vertex.z());
   }
   for (const IsoPoint& point : SampleIsoPoints(surface, 0.3, 1).points) {
     EXPECT_NEAR(point.sample_spacing_m, 1 + 0.1 * point.position.x() + 0.02 * point.position.z(),
                 1e-9);
+    EXPECT_NEAR(point.scatter_m, 2 - 0.1 * point.position.z(), 1e-9);
   }
 }
 

@@ -28,6 +28,7 @@ Surface RandomSurface() {
   for (int i = 0; i < 50; ++i) {
     surface.mesh.vertices.push_back(RandomVector(&random));
     surface.sample_spacing_m.push_back(RandomVector(&random).norm());
+    surface.scatter_m.push_back(RandomVector(&random).norm());
     surface.color.emplace_back(i / 49.0, 1 - i / 49.0, 0.123);
   }
   for (int i = 0; i < 80; ++i) {
@@ -54,6 +55,7 @@ TEST(MeshIo, ASurfaceComesBackExactlyButForItsColours) {
   EXPECT_EQ(read.mesh.vertices, written.mesh.vertices);
   EXPECT_EQ(read.mesh.faces, written.mesh.faces);
   EXPECT_EQ(read.sample_spacing_m, written.sample_spacing_m);
+  EXPECT_EQ(read.scatter_m, written.scatter_m);
   ASSERT_EQ(read.color.size(), written.color.size());
   for (std::size_t i = 0; i < read.color.size(); ++i) {
     EXPECT_LE((read.color[i] - written.color[i]).cwiseAbs().maxCoeff(), 0.5 / 255 + 1e-12);
@@ -115,6 +117,14 @@ TEST(MeshIo, BadMeshesAreNamedByVertexOrFace) {
   ExpectError([&] { ReadSurface(folder / "a.ply"); }, {"a.ply", "sample_spacing_m"});
 }
 
+TEST(MeshIo, ASurfaceOfAnEarlierVersionHasNoScatter) {
+  const TestFolder folder;
+  Surface surface = RandomSurface();
+  surface.scatter_m.clear();
+  WriteSurface(surface, folder / "surface.ply");
+  EXPECT_TRUE(ReadSurface(folder / "surface.ply").scatter_m.empty());
+}
+
 TEST(MeshIo, WhatIsNotFiniteOrInconsistentIsNotWritten) {
   const TestFolder folder;
   Surface surface = RandomSurface();
@@ -126,6 +136,9 @@ TEST(MeshIo, WhatIsNotFiniteOrInconsistentIsNotWritten) {
   surface = RandomSurface();
   surface.sample_spacing_m.pop_back();
   ExpectError([&] { WriteSurface(surface, folder / "a.ply"); }, {"49 values", "50 vertices"});
+  surface = RandomSurface();
+  surface.scatter_m[4] = kNoNumber;
+  ExpectError([&] { WriteSurface(surface, folder / "a.ply"); }, {"scatter_m", "vertex 4"});
   surface = RandomSurface();
   surface.mesh.faces[5][1] = 50;
   ExpectError([&] { WriteSurface(surface, folder / "a.ply"); }, {"face 5"});
@@ -191,6 +204,7 @@ CoverageMap RandomCoverageMap() {
     point.normal = RandomVector(&random).normalized();
     point.coverage = static_cast<CoverageClass>(i % 3 == 2 ? 2 : i % 2);
     point.sample_spacing_m = RandomVector(&random).norm();
+    point.scatter_m = RandomVector(&random).norm();
     point.num_good_views = i;
     point.best_projection_ratio = RandomVector(&random).norm();
     point.predicted_error_mm = i % 4 == 0 ? -1 : RandomVector(&random).norm();
@@ -214,6 +228,7 @@ TEST(CoverageMapIo, TheMapComesBackExactly) {
     EXPECT_EQ(read.points[i].normal, written.points[i].normal);
     EXPECT_EQ(read.points[i].coverage, written.points[i].coverage);
     EXPECT_EQ(read.points[i].sample_spacing_m, written.points[i].sample_spacing_m);
+    EXPECT_EQ(read.points[i].scatter_m, written.points[i].scatter_m);
     EXPECT_EQ(read.points[i].num_good_views, written.points[i].num_good_views);
     EXPECT_EQ(read.points[i].best_projection_ratio, written.points[i].best_projection_ratio);
     EXPECT_EQ(read.points[i].predicted_error_mm, written.points[i].predicted_error_mm);

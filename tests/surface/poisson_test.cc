@@ -50,7 +50,8 @@ std::string MessageOf(const OrientedPoints& points, const RegionOfInterest& regi
 
 bool SameSurface(const Surface& a, const Surface& b) {
   return a.mesh.vertices == b.mesh.vertices && a.mesh.faces == b.mesh.faces &&
-         a.sample_spacing_m == b.sample_spacing_m && a.color == b.color;
+         a.sample_spacing_m == b.sample_spacing_m && a.scatter_m == b.scatter_m &&
+         a.color == b.color;
 }
 
 TEST(ReconstructSurface, SphereComesBackWhereItIs) {
@@ -80,6 +81,7 @@ TEST(ReconstructSurface, EveryVertexHasColourAndSignalAndAFace) {
   const std::size_t count = surface.mesh.vertices.size();
   ASSERT_EQ(surface.color.size(), count);
   ASSERT_EQ(surface.sample_spacing_m.size(), count);
+  ASSERT_EQ(surface.scatter_m.size(), count);
   std::vector<bool> is_used(count, false);
   for (const Eigen::Vector3i& face : surface.mesh.faces) {
     for (int k = 0; k < 3; ++k) is_used[static_cast<std::size_t>(face[k])] = true;
@@ -89,6 +91,33 @@ TEST(ReconstructSurface, EveryVertexHasColourAndSignalAndAFace) {
     EXPECT_NEAR(color.x(), 200 / 255.0, 0.02);
     EXPECT_NEAR(color.z(), 50 / 255.0, 0.02);
   }
+}
+
+// Points that lie, in turn, above and below a plane.
+double MedianScatterOfPlane(double offset_m) {
+  OrientedPoints points;
+  AppendPlane(0, 0, 10, 10, 0, 0.1, -1, &points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i].position.z() += i % 2 == 0 ? offset_m : -offset_m;
+  }
+  SurfaceOptions options;
+  options.resolution_m = 0.4;
+  const Surface surface = ReconstructSurface(points, kPlaneRegion, options, JobControl());
+  EXPECT_EQ(surface.scatter_m.size(), surface.mesh.vertices.size());
+  std::vector<double> scatter;
+  for (std::size_t i = 0; i < surface.mesh.vertices.size(); ++i) {
+    const Eigen::Vector3d& v = surface.mesh.vertices[i];
+    if (v.x() > 2 && v.x() < 8 && v.y() > 2 && v.y() < 8) scatter.push_back(surface.scatter_m[i]);
+  }
+  EXPECT_GT(scatter.size(), 50U);
+  std::sort(scatter.begin(), scatter.end());
+  return scatter[scatter.size() / 2];
+}
+
+TEST(ReconstructSurface, ScatterIsHowFarThePointsLieFromIt) {
+  EXPECT_LT(MedianScatterOfPlane(0), 0.003);
+  EXPECT_NEAR(MedianScatterOfPlane(0.03), 0.03, 0.003);  // merged by thinning: two a voxel
+  EXPECT_NEAR(MedianScatterOfPlane(0.08), 0.08, 0.008);
 }
 
 TEST(ReconstructSurface, SignalOfAGridIsItsSpacing) {

@@ -35,26 +35,26 @@ struct ErrorCues {
   int num_views = 0;    // that see the place
   double pixel_mm = 0;  // what a pixel covers there in the best view, slant included: 1000/sqrt(γ)
   double stereo_mm = -1;  // of the best pair for matches that err by 1 px; -1: no pair
-  double support_mm = 0;  // spacing of the points of the fast stereo (Poisson signal); 0: unknown
+  // How far the points of the fast stereo lie from its surface (Surface::scatter_m); 0: unknown.
+  double scatter_mm = 0;
 };
-// `max_angle_rad`: of a pair. `sample_spacing_m`: 0 when there is no signal.
-ErrorCues CuesOf(const std::vector<ViewOfPoint>& views, double sample_spacing_m,
-                 double max_angle_rad);
+// `max_angle_rad`: of a pair. `scatter_m`: 0 when it is not known.
+ErrorCues CuesOf(const std::vector<ViewOfPoint>& views, double scatter_m, double max_angle_rad);
 
 // Two things can go wrong at a place. The final model can be there and err; the median of that
 // error, in pixels p of the best view, is
 //
-//   ê / p = scale · (stereo / p)^a · (support / p)^b · (num_views + 1)^−c
+//   ê / p = scale · (stereo / p)^a · (scatter / p)^b · (num_views + 1)^−c
 //
 // and the probability that it is at most t: 1 / (1 + (ê / t)^κ). stereo / p counts as
-// max_stereo_px at most, also for a place without a pair; support / p as min_ … max_support_px, and
-// typical_support_px where it is unknown. As a, b, c >= 0 and a + b <= 1, a view more never makes
+// max_stereo_px at most, also for a place without a pair; scatter / p as min_ … max_scatter_px, and
+// typical_scatter_px where it is unknown. As a, b, c >= 0 and a + b <= 1, a view more never makes
 // it worse.
 //
 // Or the final model can fail there: have no surface, or one elsewhere. The probability of that is
 //
 //   1 / (1 + exp(−f)),  f = failure_constant + failure_stereo · ln(stereo / p)
-//                           + failure_support · ln(support / p) − failure_views · ln(num_views + 1)
+//                           + failure_scatter · ln(scatter / p) − failure_views · ln(num_views + 1)
 //
 // with the mean of each logarithm over the place and its surroundings (`neighbors` iso-points), for
 // matching windows and the final surface mix neighbours.
@@ -64,21 +64,21 @@ ErrorCues CuesOf(const std::vector<ViewOfPoint>& views, double sample_spacing_m,
 // docs/algorithms.md, "Predicted error", names the flights). `bench_coverage --calibrate 1` fits
 // them anew.
 struct ErrorModel {
-  double scale = 0.267;             // > 0
-  double stereo_exponent = 0.249;   // a, >= 0
-  double support_exponent = 0.237;  // b, >= 0; a + b <= 1
-  double views_exponent = 0;        // c, >= 0; beside stereo and support the count tells no more
-  double steepness = 2.59;          // κ, > 0
-  double failure_constant = -6.5;
-  double failure_stereo = 0.51;   // >= 0
-  double failure_support = 1.08;  // >= 0
-  double failure_views = 0.61;    // >= 0
-  int neighbors = 15;             // iso-points, itself among them, 1 … 1000
-  double max_angle_deg = 40;      // of a pair, (0, 180]; DenseStereo.max_angle_deg
-  double max_stereo_px = 33;      // > 0
-  double min_support_px = 0.37;   // > 0
-  double max_support_px = 148;    // >= min_support_px
-  double typical_support_px = 4;  // > 0; the median of flights that are dense enough
+  double scale = 0.314;             // > 0
+  double stereo_exponent = 0.30;    // a, >= 0
+  double scatter_exponent = 0.363;  // b, >= 0; a + b <= 1
+  double views_exponent = 0.153;    // c, >= 0
+  double steepness = 1.652;         // κ, > 0
+  double failure_constant = -2.7;
+  double failure_stereo = 0.25;     // >= 0
+  double failure_scatter = 1.04;    // >= 0
+  double failure_views = 1.5;       // >= 0
+  int neighbors = 15;               // iso-points, itself among them, 1 … 1000
+  double max_angle_deg = 40;        // of a pair, (0, 180]; DenseStereo.max_angle_deg
+  double max_stereo_px = 33;        // > 0
+  double min_scatter_px = 0.1;      // > 0
+  double max_scatter_px = 100;      // >= min_scatter_px
+  double typical_scatter_px = 1.1;  // > 0; the median of flights that are dense enough
 
   std::string Check() const;
 };
@@ -92,7 +92,7 @@ double PredictErrorMm(const ErrorCues& cues, const ErrorModel& model);
 // Natural logarithms of the cues as both equations take them: bounded, in pixels of the best view.
 struct CueLogs {
   double stereo = 0;
-  double support = 0;
+  double scatter = 0;
   double views = 0;  // of num_views + 1
 };
 CueLogs LogsOf(const ErrorCues& cues, const ErrorModel& model);

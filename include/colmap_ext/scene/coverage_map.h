@@ -14,6 +14,7 @@ struct IsoPoint {
   Eigen::Vector3d normal;    // unit, outwards
   CoverageClass coverage = CoverageClass::kUncovered;
   double sample_spacing_m = 0;       // Poisson signal, see Surface
+  double scatter_m = 0;              // of the points around, see Surface; 0: not known
   int num_good_views = 0;            // projection ratio > γ_min and visible
   double best_projection_ratio = 0;  // px² / m², over the views that see it
   double predicted_error_mm = -1;    // median, of the final model there; -1: no photo sees it

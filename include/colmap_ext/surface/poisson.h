@@ -42,8 +42,8 @@ struct SurfaceOptions {
 // Section "SurfaceReconstructor".
 void BindOptions(OptionSet& set, SurfaceOptions* options);
 
-// `points`: world, with normals (need not be unit). The result has one colour and one
-// sample_spacing_m a vertex, and faces counter-clockwise seen from where the normals point.
+// `points`: world, with normals (need not be unit). The result has one colour, sample_spacing_m and
+// scatter_m a vertex, and faces counter-clockwise seen from where the normals point.
 //
 // The signal is computed from the points themselves, not from the octree, so that thinning does not
 // change it: around each vertex, from the nearest points whose normals agree with it,
@@ -55,6 +55,12 @@ void BindOptions(OptionSet& set, SurfaceOptions* options);
 // therefore no signal, however dense its points are. Points of unknown photo (-1) count fully.
 // For points on a square grid of spacing s and confidence 1 it is s. Never more than the diagonal
 // of the cropped region, which stands for "no support".
+//
+//   scatter_m = sqrt(Σ w (offset² + s²) / Σ w)
+//
+// over the same points: offset their distance from the vertex along its normal, s² the scatter of
+// the points that thinning merged into one. Where no point agrees with the vertex it is that
+// diagonal, too.
 //
 // Same points, same surface, whatever the number of threads (Open3D is run with one: with more, its
 // results differ from run to run). Throws UsageError for wrong options, Error for points that are

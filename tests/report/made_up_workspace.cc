@@ -130,9 +130,9 @@ void WriteIteration(const MadeUpHouse& house, const Workspace& workspace, int it
   const int count = PhotosOfIteration(iteration);
   const Reconstruction model = ModelOf(house, count);
   WriteReconstructionBinary(model, files.sparse());
-  const std::size_t count = house.mesh.vertices.size();
-  Surface surface{house.mesh, std::vector<double>(count, 0.02), std::vector<double>(count, 0.005),
-                  house.vertex_color};
+  const std::size_t vertices = house.mesh.vertices.size();
+  Surface surface{house.mesh, std::vector<double>(vertices, 0.02),
+                  std::vector<double>(vertices, 0.005), house.vertex_color};
   WriteSurface(surface, files.surface_ply());
   const CoverageMap map = CoverageOf(house, iteration, iterations);
   WriteCoverageMap(map, files.coverage_ply());

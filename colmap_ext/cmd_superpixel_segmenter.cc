@@ -1,5 +1,3 @@
-#include <tbb/parallel_for.h>
-
 #include <atomic>
 #include <iostream>
 
@@ -11,6 +9,7 @@
 #include "colmap_ext/scene/workspace.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
+#include "colmap_ext/util/parallel.h"
 #include "command_line.h"
 #include "commands.h"
 
@@ -78,7 +77,7 @@ int RunSuperpixelSegmenter(const Arguments& arguments, Program& program) {
   const JobControl job = program.Job();
   std::atomic<std::size_t> done = 0;
   std::vector<int> num_superpixels(names.size());
-  tbb::parallel_for(std::size_t{0}, names.size(), [&](std::size_t i) {
+  ParallelFor(names.size(), [&](std::size_t i) {
     job.ThrowIfCancelled();
     const cv::Mat photo = ReadPhoto((paths.images / names[i]).string());
     const ImageMesh mesh = SegmentPhoto(photo, options);

@@ -1,5 +1,3 @@
-#include <tbb/parallel_for.h>
-
 #include <iostream>
 #include <opencv2/imgproc.hpp>
 #include <optional>
@@ -20,6 +18,7 @@
 #include "colmap_ext/scene/workspace.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
+#include "colmap_ext/util/parallel.h"
 #include "command_line.h"
 #include "commands.h"
 #include "job_options.h"
@@ -66,7 +65,7 @@ double ConfidentShare(const std::vector<ViewMesh>& views, double min_confidence)
 // Depth (near bright, far dark, by inverse depth), normal (as colour) and confidence of each photo.
 void WriteMapPictures(const PhotoSet& photos, const std::vector<ViewMesh>& views,
                       const std::filesystem::path& folder) {
-  tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
+  ParallelFor(views.size(), [&](std::size_t i) {
     const ViewMaps maps = RasterizeView(views[i], 0.0);
     cv::Mat1f inverse_depth(maps.depth.height, maps.depth.width, 0.0F);
     cv::Mat3b normal(maps.depth.height, maps.depth.width, cv::Vec3b(0, 0, 0));
@@ -95,7 +94,7 @@ void WriteCues(const PhotoSet& photos, const SuperpixelStereoResult& result,
                const SuperpixelStereoOptions& options, const IterationFiles& files) {
   std::vector<ViewLookup> lookups;
   for (const ViewMesh& view : result.views) lookups.emplace_back(view, TriangleIdMap(view));
-  tbb::parallel_for(std::size_t{0}, result.views.size(), [&](std::size_t i) {
+  ParallelFor(result.views.size(), [&](std::size_t i) {
     const std::vector<ConfidenceCues> cues =
         EvaluateCues(result.views, lookups, result.neighbors[i], static_cast<int>(i), options);
     const DenseMap maps = ConfidenceCueMaps(cues, lookups[i].triangle_at, options);

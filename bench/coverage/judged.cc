@@ -1,7 +1,5 @@
 #include "judged.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -10,6 +8,7 @@
 #include "colmap_ext/scene/mesh_io.h"
 #include "colmap_ext/scene/oriented_points_io.h"
 #include "colmap_ext/scene/reconstruction_io.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -55,7 +54,7 @@ std::vector<double> CloudSpacing(const std::vector<IsoPoint>& points, const Orie
   for (const OrientedPoint& point : cloud) positions.push_back(point.position);
   const PointIndex index(positions);
   std::vector<double> spacing(points.size());
-  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+  ParallelFor(points.size(), [&](std::size_t i) {
     const double radius = index.NearestOf(points[i].position, kNeighbors).back().distance;
     spacing[i] = radius * std::sqrt(M_PI / (kNeighbors - 1.0));
   });
@@ -131,7 +130,7 @@ JudgedFlight Judge(const Site& site, const FlightModels& models, const CoverageO
   const PointIndex index(positions);
   const VisibilityEngine engine(surface.mesh, options.visibility);
   std::vector<JudgedPoint> points(map.points.size());
-  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+  ParallelFor(points.size(), [&](std::size_t i) {
     const IsoPoint& point = map.points[i];
     if (point.coverage == CoverageClass::kIgnored) return;
     const std::size_t nearest = NearestFacing(index, samples, point);

@@ -1,7 +1,5 @@
 #include "survey.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Dense>
 #include <algorithm>
 #include <atomic>
@@ -16,6 +14,7 @@
 #include "colmap_ext/sim/renderer.h"
 #include "colmap_ext/sim/textured_scene.h"
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -193,7 +192,7 @@ Survey PrepareSurvey(const SurveySpec& spec, const fs::path& folder, const JobCo
 
   std::vector<View> views(poses.size());
   std::atomic<std::size_t> done = 0;
-  tbb::parallel_for(std::size_t{0}, poses.size(), [&](std::size_t i) {
+  ParallelFor(poses.size(), [&](std::size_t i) {
     job.ThrowIfCancelled();
     const cv::Mat bgr = renderer.Render(camera, poses[i]);
     cv::imwrite((survey.images / PhotoName(i)).string(), bgr, {cv::IMWRITE_JPEG_QUALITY, 95});

@@ -1,13 +1,12 @@
 #include "calibration.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "colmap_ext/mvs/confidence.h"
 #include "colmap_ext/mvs/photometric.h"
 #include "colmap_ext/mvs/view_lookup.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -32,7 +31,7 @@ std::vector<Sample> CollectSamples(const Survey& survey, const SuperpixelStereoR
   for (const ViewMesh& view : result.views) lookups.emplace_back(view, TriangleIdMap(view));
   const PhotometricStage stage(survey.photos, result.neighbors, options);
   std::vector<std::vector<Sample>> of_view(result.views.size());
-  tbb::parallel_for(std::size_t{0}, of_view.size(), [&](std::size_t i) {
+  ParallelFor(of_view.size(), [&](std::size_t i) {
     const int view = static_cast<int>(i);
     const std::vector<ConfidenceCues> cues =
         EvaluateCues(result.views, lookups, result.neighbors[i], view, options);
@@ -126,8 +125,7 @@ void ReportCalibration(const Survey& survey, const SuperpixelStereoResult& resul
   const std::vector<Sample> samples = CollectSamples(survey, result, options);
   const std::vector<SuperpixelStereoOptions> grid = Grid(options);
   std::vector<Quality> qualities(grid.size());
-  tbb::parallel_for(std::size_t{0}, grid.size(),
-                    [&](std::size_t g) { qualities[g] = Judge(samples, grid[g]); });
+  ParallelFor(grid.size(), [&](std::size_t g) { qualities[g] = Judge(samples, grid[g]); });
   double largest = 0;
   for (const Quality& quality : qualities) largest = std::max(largest, quality.area);
   const Quality* best = nullptr;

@@ -1,11 +1,10 @@
 #include "measures.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "colmap_ext/mvs/depth_map.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -117,7 +116,7 @@ Matches CountMatches(const cv::Mat1f& jumps, const cv::Mat1f& others, bool relat
 AccuracyFigures MeasureAccuracy(const std::vector<ViewMesh>& views,
                                 const std::vector<ViewTruth>& truth, Pixels pixels, int step) {
   std::vector<std::vector<PixelError>> errors_of_view(views.size());
-  tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
+  ParallelFor(views.size(), [&](std::size_t i) {
     errors_of_view[i] = CollectErrors(views[i], truth[i], pixels, step);
   });
   AccuracyFigures figures;
@@ -151,7 +150,7 @@ AccuracyFigures MeasureAccuracy(const std::vector<ViewMesh>& views,
 EdgeFigures MeasureDepthEdges(const std::vector<ViewMesh>& views,
                               const std::vector<ViewTruth>& truth) {
   std::vector<Matches> recalled(views.size()), confirmed(views.size());
-  tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
+  ParallelFor(views.size(), [&](std::size_t i) {
     ViewMaps maps = RasterizeView(views[i], 0.0);
     const cv::Mat1f depth(maps.depth.height, maps.depth.width, maps.depth.data.data());
     const cv::Mat1f true_jumps = DepthJumps(truth[i].depth, truth[i].model);

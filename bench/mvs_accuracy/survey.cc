@@ -1,7 +1,5 @@
 #include "survey.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Dense>
 #include <cmath>
 #include <map>
@@ -16,6 +14,7 @@
 #include "colmap_ext/sim/textured_scene.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -56,7 +55,7 @@ void RenderAll(const SurveyOptions& options, const fs::path& folder, const JobCo
   const SimulatedCamera camera(renderer, scene.origin, SimulatedCameraOptions{});
   const std::vector<PlannedView> views = Rings(options.scene, options.num_photos);
   std::vector<TruePose> poses(views.size());
-  tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
+  ParallelFor(views.size(), [&](std::size_t i) {
     const std::string name = PhotoName(i);
     const CapturedPhoto photo = camera.CapturePhoto(views[i], folder / "images" / name);
     poses[i] = {name, photo.cam_from_world};

@@ -1,7 +1,5 @@
 #include "true_site.h"
 
-#include <tbb/parallel_for.h>
-
 #include <cmath>
 #include <random>
 
@@ -10,6 +8,7 @@
 #include "colmap_ext/mission/patterns.h"
 #include "colmap_ext/session/presets.h"
 #include "colmap_ext/sim/textured_scene.h"
+#include "colmap_ext/util/parallel.h"
 #include "nbv/view_pool.h"
 
 namespace colmap_ext {
@@ -68,7 +67,7 @@ void CoverageCounter::Add(const PosedPhoto& photo) {
   const double min_cos = std::cos(DegToRad(options_.max_angle_deg));
   const double max_cos = std::cos(DegToRad(options_.min_angle_deg));
   const Eigen::Vector3d center = CameraCenter(photo.cam_from_world);
-  tbb::parallel_for(std::size_t{0}, map_.points.size(), [&](std::size_t i) {
+  ParallelFor(map_.points.size(), [&](std::size_t i) {
     IsoPoint& point = map_.points[i];
     if (point.coverage == CoverageClass::kIgnored) return;
     if (ProjectionRatio(photo.camera, photo.cam_from_world, point.position, point.normal) <=

@@ -1,12 +1,11 @@
 #include "safety_campaign.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -208,8 +207,7 @@ SafetyFindings ExamineSite(std::uint64_t seed) {
 
 SafetyFindings RunSafetyCampaign(std::uint64_t first_seed, int count) {
   std::vector<SafetyFindings> each(static_cast<std::size_t>(count));
-  tbb::parallel_for(std::size_t{0}, each.size(),
-                    [&](std::size_t i) { each[i] = ExamineSite(first_seed + i); });
+  ParallelFor(each.size(), [&](std::size_t i) { each[i] = ExamineSite(first_seed + i); });
   SafetyFindings all;
   for (const SafetyFindings& findings : each) all.Add(findings);
   return all;

@@ -1,7 +1,5 @@
 #include "flight.h"
 
-#include <tbb/parallel_for.h>
-
 #include <atomic>
 #include <cmath>
 #include <cstdio>
@@ -10,6 +8,7 @@
 #include "colmap_ext/sim/renderer.h"
 #include "colmap_ext/sim/simulated_camera.h"
 #include "colmap_ext/sim/textured_scene.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -47,7 +46,7 @@ void RenderPhotos(const std::vector<int>& indices, double texel_scale,
   const SimulatedCamera camera(renderer, scene.origin, options);
   std::filesystem::create_directories(folder);
   std::atomic<std::size_t> done = 0;
-  tbb::parallel_for(std::size_t{0}, indices.size(), [&](std::size_t i) {
+  ParallelFor(indices.size(), [&](std::size_t i) {
     camera.CapturePhoto(ViewOnRing(indices[i]), folder / NameOf(indices[i]));
     job.Progress("rendering", ++done, indices.size());
   });

@@ -1,8 +1,5 @@
 #include "colmap_ext/coverage/coverage.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +7,7 @@
 #include "colmap_ext/coverage/iso_points.h"
 #include "colmap_ext/coverage/projection_ratio.h"
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -143,20 +141,16 @@ CoverageMap EvaluateCoverage(const Surface& surface, const std::vector<PosedPhot
   std::vector<SeenPoint> seen(iso.points.size());
   job.Progress(kStage, 1, 2);
 
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, iso.points.size(), 64),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      if (job.IsCancelled()) return;
-                      for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                        IsoPoint& point = iso.points[i];
-                        if (!region.Contains(point.position)) {
-                          point.coverage = CoverageClass::kIgnored;
-                          continue;
-                        }
-                        seen[i] =
-                            LookAt(ViewsOf(point.position, point.normal, photos, centers, engine),
-                                   limits, &point);
-                      }
-                    });
+  ParallelFor(iso.points.size(), [&](std::size_t i) {
+    if (job.IsCancelled()) return;
+    IsoPoint& point = iso.points[i];
+    if (!region.Contains(point.position)) {
+      point.coverage = CoverageClass::kIgnored;
+      return;
+    }
+    seen[i] =
+        LookAt(ViewsOf(point.position, point.normal, photos, centers, engine), limits, &point);
+  });
   job.ThrowIfCancelled();
   Score(seen, options, &iso.points);
   job.Progress(kStage, 2, 2);

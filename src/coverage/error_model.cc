@@ -1,13 +1,12 @@
 #include "colmap_ext/coverage/error_model.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "colmap_ext/geom/point_index.h"
 #include "colmap_ext/geom/transforms.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 
@@ -69,7 +68,7 @@ std::vector<CueLogs> MeanLogsAround(const std::vector<Eigen::Vector3d>& position
   std::vector<CueLogs> means(positions.size());
   if (positions.empty()) return means;
   const PointIndex index(positions);
-  tbb::parallel_for(std::size_t{0}, positions.size(), [&](std::size_t i) {
+  ParallelFor(positions.size(), [&](std::size_t i) {
     const auto around = index.NearestOf(positions[i], static_cast<std::size_t>(neighbors));
     const double share = 1 / static_cast<double>(around.size());
     for (const PointNeighbor& neighbor : around) {

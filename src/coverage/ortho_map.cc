@@ -1,7 +1,5 @@
 #include "colmap_ext/coverage/ortho_map.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -13,6 +11,7 @@
 #include "colmap_ext/geom/ray_scene.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -182,7 +181,7 @@ OrthoMap RenderOrthoMap(const Surface& surface, const CoverageMap& map,
   }
   ortho.bgra.create(static_cast<int>(size.y()), static_cast<int>(size.x()), CV_8UC4);
   const ColumnPainter painter(surface, map, options);
-  tbb::parallel_for(0, ortho.bgra.rows, [&](int row) {
+  ParallelFor(ortho.bgra.rows, [&](int row) {
     const double y = ortho.upper_left.y() - (row + 0.5) * ortho.pixel_size_m;
     for (int col = 0; col < ortho.bgra.cols; ++col) {
       const double x = ortho.upper_left.x() + (col + 0.5) * ortho.pixel_size_m;

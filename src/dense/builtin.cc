@@ -1,6 +1,5 @@
 #include "colmap_ext/dense/builtin.h"
 
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include "colmap_ext/dense/depth_fusion.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
+#include "colmap_ext/util/parallel.h"
 #include "dense/point_dump.h"
 #include "dense/remaining_time.h"
 
@@ -188,16 +188,11 @@ class Builtin {
     tbb::task_arena arena(Concurrency());
     arena.execute([&] {
       // Neighbours in the list share partners, and so the system's cache of their files.
-      tbb::parallel_for(
-          tbb::blocked_range<std::size_t>(0, missing.size(), 1),
-          [&](const tbb::blocked_range<std::size_t>& range) {
-            for (std::size_t k = range.begin(); k < range.end(); ++k) {
-              if (job_.IsCancelled()) return;
-              make(missing[k]);
-              progress.Step();
-            }
-          },
-          tbb::simple_partitioner());
+      ParallelFor(missing.size(), [&](std::size_t k) {
+        if (job_.IsCancelled()) return;
+        make(missing[k]);
+        progress.Step();
+      });
     });
     job_.ThrowIfCancelled();
   }
@@ -281,7 +276,7 @@ class Builtin {
     RemainingTime progress("fusion", 0, posed_.size(), job_);
     tbb::task_arena arena(Concurrency());
     arena.execute([&] {
-      tbb::parallel_for(std::size_t{0}, posed_.size(), [&](std::size_t i) {
+      ParallelFor(posed_.size(), [&](std::size_t i) {
         if (job_.IsCancelled()) return;
         if (HasDepth(i)) parts[i] = FuseOne(i);
         progress.Step();
@@ -332,7 +327,7 @@ class Builtin {
 std::vector<DepthRange> DepthRanges(const PhotoSet& photos, const fs::path& prior_path) {
   std::vector<std::vector<float>> depths = DepthsOfPoints(photos);
   std::vector<DepthRange> ranges(depths.size());
-  tbb::parallel_for(std::size_t{0}, depths.size(), [&](std::size_t i) {
+  ParallelFor(depths.size(), [&](std::size_t i) {
     if (!prior_path.empty()) {
       AppendDepths(DenseWorkspace{prior_path}.depth_map(photos.photos[i].name), &depths[i]);
     }

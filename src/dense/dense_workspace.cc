@@ -1,7 +1,5 @@
 #include "colmap_ext/dense/dense_workspace.h"
 
-#include <tbb/parallel_for.h>
-
 #include <atomic>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
@@ -9,6 +7,7 @@
 #include "colmap_ext/scene/reconstruction_io.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -54,7 +53,7 @@ void PrepareDenseWorkspace(const PhotoSource& photos, const std::vector<std::vec
                            const JobControl& job) {
   const std::vector<PosedPhoto>& posed = photos.photo_set().photos;
   std::atomic<std::size_t> done = 0;
-  tbb::parallel_for(std::size_t{0}, posed.size(), [&](std::size_t i) {
+  ParallelFor(posed.size(), [&](std::size_t i) {
     if (job.IsCancelled() || !rank.IsMine(i)) return;
     const fs::path path = workspace.images() / posed[i].name;
     if (!fs::exists(path)) WritePhoto(photos.Load(i), path, kJpegQuality);

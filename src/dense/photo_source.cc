@@ -1,7 +1,5 @@
 #include "colmap_ext/dense/photo_source.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>

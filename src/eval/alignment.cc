@@ -1,13 +1,12 @@
 #include "colmap_ext/eval/alignment.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/parallel.h"
 #include "colmap_ext/util/statistics.h"
 #include "nearest.h"
 #include "samples.h"
@@ -55,7 +54,7 @@ class Icp {
     const Sim3d model_from_truth = Inverse(truth_from_model);
     const double max_in_model = options_.max_distance_m * model_from_truth.scale;
     std::vector<Correspondence> all(samples_.size());
-    tbb::parallel_for(std::size_t{0}, samples_.size(), [&](std::size_t i) {
+    ParallelFor(samples_.size(), [&](std::size_t i) {
       const SurfaceSample& sample = samples_[i];
       const auto found = finder_.Find(model_from_truth * sample.position, max_in_model);
       if (!found) return;

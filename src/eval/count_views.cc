@@ -1,13 +1,12 @@
 #include "colmap_ext/eval/count_views.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
 
 #include "colmap_ext/geom/ray_scene.h"
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -77,7 +76,7 @@ std::vector<int> CountViews(const std::vector<SurfaceSample>& samples, const Tri
   const std::vector<TruthView> views = ViewsOf(model, truth_from_model);
   const RayScene scene(truth);
   std::vector<int> num_views(samples.size(), 0);
-  tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
+  ParallelFor(samples.size(), [&](std::size_t i) {
     job.ThrowIfCancelled();
     for (const TruthView& view : views) num_views[i] += Sees(view, samples[i], scene) ? 1 : 0;
   });

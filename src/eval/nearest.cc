@@ -1,6 +1,6 @@
 #include "nearest.h"
 
-#include <tbb/parallel_for.h>
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -31,8 +31,7 @@ std::optional<NearestPoint> NearestFinder::Find(const Eigen::Vector3d& query,
 
 std::vector<double> NearestFinder::Distances(const std::vector<Eigen::Vector3d>& points) const {
   std::vector<double> distances(points.size());
-  tbb::parallel_for(std::size_t{0}, points.size(),
-                    [&](std::size_t i) { distances[i] = Find(points[i])->distance; });
+  ParallelFor(points.size(), [&](std::size_t i) { distances[i] = Find(points[i])->distance; });
   return distances;
 }
 

@@ -1,12 +1,11 @@
 #include "samples.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <iterator>
 
 #include "colmap_ext/geom/point_index.h"
+#include "colmap_ext/util/parallel.h"
 #include "colmap_ext/util/statistics.h"
 
 namespace colmap_ext {
@@ -67,7 +66,7 @@ std::vector<SurfaceSample> SamplesWithNormals(const TriangleMesh& mesh, std::siz
   order.resize(std::min(count, order.size()));
   const PointIndex index(mesh.vertices);
   std::vector<SurfaceSample> samples(order.size());
-  tbb::parallel_for(std::size_t{0}, order.size(), [&](std::size_t i) {
+  ParallelFor(order.size(), [&](std::size_t i) {
     const Eigen::Vector3d& position = mesh.vertices[order[i]];
     samples[i] = {position, PlaneNormal(mesh.vertices, index, position), -1};
   });

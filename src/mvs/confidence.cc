@@ -1,9 +1,9 @@
 #include "colmap_ext/mvs/confidence.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -130,7 +130,7 @@ std::vector<ConfidenceCues> EvaluateCues(const std::vector<ViewMesh>& views,
 void EvaluateConfidence(const std::vector<ViewLookup>& lookups,
                         const std::vector<std::vector<int>>& neighbors,
                         const SuperpixelStereoOptions& options, std::vector<ViewMesh>* views) {
-  tbb::parallel_for(std::size_t{0}, views->size(), [&](std::size_t i) {
+  ParallelFor(views->size(), [&](std::size_t i) {
     const std::vector<ConfidenceCues> cues =
         EvaluateCues(*views, lookups, neighbors[i], static_cast<int>(i), options);
     std::vector<float>& confidence = (*views)[i].confidence;

@@ -1,11 +1,10 @@
 #include "colmap_ext/mvs/fusion.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "colmap_ext/mvs/confidence.h"
+#include "colmap_ext/util/parallel.h"
 #include "mvs/raster.h"
 
 namespace colmap_ext {
@@ -198,7 +197,7 @@ double FuseViews(const std::vector<LinearStereo>& solvers,
                  std::vector<ViewLookup>* lookups, std::vector<ViewMesh>* views) {
   std::vector<FacetDepths> refined(views->size());
   std::vector<double> moved_share(views->size());
-  tbb::parallel_for(std::size_t{0}, views->size(), [&](std::size_t i) {
+  ParallelFor(views->size(), [&](std::size_t i) {
     job.ThrowIfCancelled();
     const ViewMesh& view = (*views)[i];
     refined[i] = known[i] != nullptr ? *known[i]
@@ -207,7 +206,7 @@ double FuseViews(const std::vector<LinearStereo>& solvers,
     moved_share[i] =
         MovedShare(view.inverse_depth, refined[i].inverse_depth, options.fusion_tolerance);
   });
-  tbb::parallel_for(std::size_t{0}, views->size(), [&](std::size_t i) {
+  ParallelFor(views->size(), [&](std::size_t i) {
     (*views)[i].inverse_depth.swap(refined[i].inverse_depth);
     (*views)[i].supported.swap(refined[i].supported);
     (*lookups)[i] = ViewLookup((*views)[i], (*lookups)[i].triangle_at);

@@ -1,11 +1,10 @@
 #include "colmap_ext/mvs/photo_exchange.h"
 
-#include <tbb/parallel_for.h>
-
 #include <cstdio>
 
 #include "colmap_ext/mvs/linear_stereo.h"
 #include "colmap_ext/util/files.h"
+#include "colmap_ext/util/parallel.h"
 #include "mvs/content_hash.h"
 #include "mvs/memory_keys.h"
 #include "scene/byte_reader.h"
@@ -20,7 +19,7 @@ std::uint64_t HashOf(const PhotoSet& photos, const SuperpixelOptions& superpixel
                      const SuperpixelStereoOptions& options, int num_processes) {
   const std::vector<std::vector<int>> points = PointsOfPhotos(photos);
   std::vector<std::uint64_t> keys(photos.photos.size());
-  tbb::parallel_for(std::size_t{0}, keys.size(), [&](std::size_t i) {
+  ParallelFor(keys.size(), [&](std::size_t i) {
     const std::uint64_t partition = PartitionKey(photos.photos[i], superpixel_options);
     keys[i] = SolveKey(partition, photos, i, points[i], options);
   });
@@ -90,12 +89,12 @@ void PhotoExchange::ShareItems(const JobControl& job, std::vector<Item>* items) 
   for (std::size_t i = 0; i < items->size(); ++i) {
     if (!rank_.IsMine(i)) others.push_back(path_of(i));
   }
-  tbb::parallel_for(std::size_t{0}, items->size(), [&](std::size_t i) {
+  ParallelFor(items->size(), [&](std::size_t i) {
     if (!rank_.IsMine(i)) return;
     WriteFileAtomically(path_of(i), [&](std::ostream& out) { Put((*items)[i], out); });
   });
   WaitForFiles(others, rank_, job);
-  tbb::parallel_for(std::size_t{0}, items->size(), [&](std::size_t i) {
+  ParallelFor(items->size(), [&](std::size_t i) {
     if (rank_.IsMine(i)) return;
     ByteReader in(path_of(i));
     Take(&in, &(*items)[i]);

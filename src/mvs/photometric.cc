@@ -1,10 +1,9 @@
 #include "colmap_ext/mvs/photometric.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include "colmap_ext/util/parallel.h"
 #include "mvs/photo_patch.h"
 #include "mvs/plane_search.h"
 
@@ -93,8 +92,7 @@ PhotometricStage::PhotometricStage(const PhotoSet& photos,
       options_(options),
       grey_(photos.photos.size()),
       points_of_photo_(photos.photos.size()) {
-  tbb::parallel_for(std::size_t{0}, grey_.size(),
-                    [&](std::size_t i) { grey_[i] = PackGrey(photos.photos[i].bgr); });
+  ParallelFor(grey_.size(), [&](std::size_t i) { grey_[i] = PackGrey(photos.photos[i].bgr); });
   for (std::size_t p = 0; p < photos.points.size(); ++p) {
     for (const int i : photos.points[p].photo_indices) {
       points_of_photo_[static_cast<std::size_t>(i)].push_back(static_cast<int>(p));

@@ -1,13 +1,12 @@
 #include "colmap_ext/mvs/points.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <memory>
 
 #include "colmap_ext/mvs/neighbors.h"
 #include "colmap_ext/mvs/view_lookup.h"
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -98,11 +97,11 @@ OrientedPoints SamplePoints(const PhotoSet& photos, const std::vector<ViewMesh>&
   ThrowIfInvalid(options.Check());
   const std::vector<std::vector<int>> neighbors = FindNeighbors(photos, {});
   std::vector<std::unique_ptr<ViewLookup>> lookups(views.size());
-  tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
+  ParallelFor(views.size(), [&](std::size_t i) {
     lookups[i] = std::make_unique<ViewLookup>(views[i], TriangleIdMap(views[i]));
   });
   std::vector<OrientedPoints> points_of_view(views.size());
-  tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
+  ParallelFor(views.size(), [&](std::size_t i) {
     for (const Sample& sample : PlaceSamples(views[i], *lookups[i], options)) {
       const OrientedPoint point = MakePoint(sample, photos.photos[i], views[i], *lookups[i]);
       if (!IsInFreeSpace(point.position, views, lookups, neighbors[i], options)) {

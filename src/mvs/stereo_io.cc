@@ -1,7 +1,5 @@
 #include "colmap_ext/mvs/stereo_io.h"
 
-#include <tbb/parallel_for.h>
-
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
@@ -10,6 +8,7 @@
 #include "colmap_ext/scene/reconstruction_io.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -133,7 +132,7 @@ ColoredMesh MeshInWorld(const ViewMesh& mesh, double min_confidence) {
 void WriteViewMeshes(const PhotoSet& photos, const std::vector<ViewMesh>& views,
                      double min_confidence, const std::filesystem::path& folder,
                      const JobRank& rank) {
-  tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
+  ParallelFor(views.size(), [&](std::size_t i) {
     if (!rank.IsMine(i)) return;
     ViewMeshPly ply;
     ply.Add(views[i], min_confidence);
@@ -153,7 +152,7 @@ void WriteDenseWorkspace(const PhotoSet& photos, const Reconstruction& model,
                          const std::vector<std::vector<int>>& neighbors, double min_confidence,
                          const std::filesystem::path& folder, const JobRank& rank) {
   const std::filesystem::path stereo = folder / "stereo";
-  tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
+  ParallelFor(views.size(), [&](std::size_t i) {
     if (!rank.IsMine(i)) return;
     const PosedPhoto& photo = photos.photos[i];
     const ViewMaps maps = RasterizeView(views[i], min_confidence);

@@ -1,7 +1,5 @@
 #include "colmap_ext/mvs/superpixel_stereo.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 
@@ -12,6 +10,7 @@
 #include "colmap_ext/mvs/photometric.h"
 #include "colmap_ext/mvs/view_lookup.h"
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/parallel.h"
 #include "mvs/memory_keys.h"
 #include "mvs/raster.h"
 
@@ -32,7 +31,7 @@ void RequirePixels(const PhotoSet& photos) {
 template <typename Work>
 void ForEachPhoto(std::size_t count, const char* stage, const JobControl& job, const Work& work) {
   std::atomic<std::size_t> done = 0;
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+  ParallelFor(count, [&](std::size_t i) {
     job.ThrowIfCancelled();
     work(i);
     job.Progress(stage, ++done, count);
@@ -113,7 +112,7 @@ class StereoRun {
       if (IsMine(i)) partitions[i] = *memory_[i]->partition;
     }
     exchange_->Share(job_, &partitions);
-    tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t i) {
+    ParallelFor(count(), [&](std::size_t i) {
       if (IsMine(i)) return;
       const PinholeCamera& camera = photos_.photos[i].camera;
       memory_[i]->partition = std::make_shared<ImageMesh>(std::move(partitions[i]));
@@ -160,7 +159,7 @@ class StereoRun {
       if (IsMine(i)) depths[i] = {result_.views[i].inverse_depth, result_.views[i].supported};
     }
     exchange_->Share(job_, &depths);
-    tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t i) {
+    ParallelFor(count(), [&](std::size_t i) {
       if (IsMine(i)) return;
       ViewMesh& view = result_.views[i];
       view.photo_index = static_cast<int>(i);
@@ -195,7 +194,7 @@ class StereoRun {
     });
     if (exchange_ != nullptr) SharePhotometricPasses();
     cues_.resize(count());
-    tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t i) {
+    ParallelFor(count(), [&](std::size_t i) {
       const PhotoMemory::PhotometricPass& pass = memory_[i]->photometric;
       photo_rows_[i] = pass.rows;
       result_.views[i].inverse_depth = pass.depths.inverse_depth;
@@ -218,7 +217,7 @@ class StereoRun {
   // Photo-consistency as the fourth factor of Γ; cues of facets with keep[i][t] != 0 are still
   // those of their planes.
   void WeighConfidence(const std::vector<std::vector<std::uint8_t>>& keep) {
-    tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t i) {
+    ParallelFor(count(), [&](std::size_t i) {
       if (!IsMine(i)) return;
       photometric_->EvaluateCues(result_.views, lookups_, static_cast<int>(i), keep[i], &cues_[i]);
       std::vector<float>& confidence = result_.views[i].confidence;
@@ -255,8 +254,8 @@ class StereoRun {
 
   std::vector<std::uint64_t> ViewKeys() const {
     std::vector<std::uint64_t> keys(count());
-    tbb::parallel_for(std::size_t{0}, count(),
-                      [&](std::size_t i) { keys[i] = ViewKey(solve_keys_[i], result_.views[i]); });
+    ParallelFor(count(),
+                [&](std::size_t i) { keys[i] = ViewKey(solve_keys_[i], result_.views[i]); });
     return keys;
   }
 
@@ -287,7 +286,7 @@ class StereoRun {
   std::vector<FacetDepths> FuseTogether(const std::vector<std::vector<DepthRow>>& extra_rows) {
     if (exchange_ == nullptr) return {};
     std::vector<FacetDepths> depths(count());
-    tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t i) {
+    ParallelFor(count(), [&](std::size_t i) {
       if (!IsMine(i)) return;
       job_.ThrowIfCancelled();
       depths[i] = FuseView(*memory_[i]->solver, result_.views, lookups_, result_.neighbors[i],

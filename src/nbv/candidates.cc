@@ -1,11 +1,10 @@
 #include "nbv/candidates.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
+#include "colmap_ext/util/parallel.h"
 #include "nbv/view_fan.h"
 
 namespace colmap_ext {
@@ -117,7 +116,7 @@ std::vector<PlanePlace> PlacesOnPlane(const SearchContext& context, const Uncove
   const std::vector<Eigen::Vector3d> positions =
       GridAround(anchors, altitude_m, context.options, step);
   std::vector<PlanePlace> all(positions.size());
-  tbb::parallel_for(std::size_t{0}, positions.size(), [&](std::size_t i) {
+  ParallelFor(positions.size(), [&](std::size_t i) {
     PlanePlace& place = all[i];
     place.position = positions[i];
     place.directions = AdmissibleDirections(context, anchors, positions[i], pitches_rad);
@@ -135,7 +134,7 @@ std::vector<double> BestScores(const SearchContext& context, const UncoveredPoin
                                const std::vector<PlanePlace>& places,
                                const std::vector<double>& pitches_rad) {
   std::vector<std::vector<double>> by_place(places.size());
-  tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
+  ParallelFor(places.size(), [&](std::size_t i) {
     const std::vector<double> scores = ScoresAt(context, points, places[i]);
     by_place[i].resize(pitches_rad.size(), 0);
     for (std::size_t k = 0; k < scores.size(); ++k) {
@@ -155,8 +154,8 @@ std::vector<double> BestScores(const SearchContext& context, const UncoveredPoin
 std::vector<Candidate> CandidatesOf(const SearchContext& context, const UncoveredPoints& points,
                                     const std::vector<PlanePlace>& places) {
   std::vector<std::vector<Candidate>> by_place(places.size());
-  tbb::parallel_for(std::size_t{0}, places.size(),
-                    [&](std::size_t i) { by_place[i] = CandidatesAt(context, points, places[i]); });
+  ParallelFor(places.size(),
+              [&](std::size_t i) { by_place[i] = CandidatesAt(context, points, places[i]); });
   std::vector<Candidate> candidates;
   for (std::vector<Candidate>& some : by_place) {
     for (Candidate& candidate : some) {

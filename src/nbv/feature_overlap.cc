@@ -1,10 +1,9 @@
 #include "nbv/feature_overlap.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include "colmap_ext/util/parallel.h"
 #include "colmap_ext/util/statistics.h"
 
 namespace colmap_ext {
@@ -64,7 +63,7 @@ void FeatureOverlap::TakeIsoPoints() {
   for (std::size_t i = 0; i < points.size(); i += stride) {
     features_.push_back({points[i].position, {}});
   }
-  tbb::parallel_for(std::size_t{0}, features_.size(), [&](std::size_t f) {
+  ParallelFor(features_.size(), [&](std::size_t f) {
     const IsoPoint& point = points[f * stride];
     for (std::size_t i = 0; i < photos.size(); ++i) {
       const Rigid3d& pose = photos[i].cam_from_world;
@@ -88,7 +87,7 @@ void FeatureOverlap::TakeIsoPoints() {
 double FeatureOverlap::FoundAgain() const {
   const std::vector<PosedPhoto>& photos = context_.input.existing;
   std::vector<double> found(photos.size(), -1);
-  tbb::parallel_for(std::size_t{0}, photos.size(), [&](std::size_t i) {
+  ParallelFor(photos.size(), [&](std::size_t i) {
     const PosedPhoto& photo = photos[i];
     const Eigen::Vector3d center = CameraCenter(photo.cam_from_world);
     int predicted = 0, is_there = 0;

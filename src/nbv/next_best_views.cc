@@ -1,13 +1,12 @@
 #include "colmap_ext/nbv/next_best_views.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/parallel.h"
 #include "nbv/strategies.h"
 #include "nbv/uncovered_points.h"
 #include "nbv/view_fan.h"
@@ -119,7 +118,7 @@ void MeasureTour(const ViewPlanInput& input, const NextBestViewOptions& options,
 void FillScores(const SearchContext& context, ViewPlanResult* result) {
   const CoverageMap& coverage = context.input.coverage;
   const UncoveredPoints points(coverage, IndicesOfUncovered(coverage), context.options);
-  tbb::parallel_for(std::size_t{0}, result->views.size(), [&](std::size_t v) {
+  ParallelFor(result->views.size(), [&](std::size_t v) {
     PlannedView& view = result->views[v];
     ViewFan fan(context, {view.direction});
     for (std::size_t i = 0; i < points.size(); ++i) {

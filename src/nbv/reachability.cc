@@ -1,12 +1,11 @@
 #include "nbv/reachability.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <tuple>
 
+#include "colmap_ext/util/parallel.h"
 #include "nbv/view_fan.h"
 
 namespace colmap_ext {
@@ -52,7 +51,7 @@ std::vector<Eigen::Vector3d> FreePositions(const SearchContext& context,
   std::vector<Eigen::Vector3d> positions = LatticeAround(context, points);
   for (const Anchor& anchor : anchors) positions.push_back(anchor.position);
   std::vector<double> distances(positions.size());
-  tbb::parallel_for(std::size_t{0}, positions.size(), [&](std::size_t i) {
+  ParallelFor(positions.size(), [&](std::size_t i) {
     distances[i] = IsFreePosition(context, positions[i]) ? DistanceToAnchors(anchors, positions[i])
                                                          : std::numeric_limits<double>::infinity();
   });
@@ -138,7 +137,7 @@ std::vector<std::optional<ReachingView>> FindReachingViews(
     const std::vector<Eigen::Vector3d>& positions) {
   std::vector<std::optional<ReachingView>> views(points.size());
   const std::vector<ViewDirection> directions = AllDirections(context);
-  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+  ParallelFor(points.size(), [&](std::size_t i) {
     views[i] = FirstReachingView(context, positions, directions, points, i);
   });
   return views;

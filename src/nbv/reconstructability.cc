@@ -1,9 +1,9 @@
 #include "nbv/reconstructability.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -23,7 +23,7 @@ Reconstructability::Reconstructability(const SearchContext& context, const Uncov
     const double at_least_m = std::sqrt(context.camera().fx * context.camera().fy / min_ratio);
     max_distance_m_ = std::min(max_distance_m_, at_least_m);
   }
-  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t p) {
+  ParallelFor(points.size(), [&](std::size_t p) {
     for (const PosedPhoto& photo : existing) {
       if (!context.engine.IsVisible(photo.camera, photo.cam_from_world, points.position(p),
                                     points.normal(p))) {

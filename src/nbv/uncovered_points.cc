@@ -1,11 +1,10 @@
 #include "nbv/uncovered_points.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "colmap_ext/coverage/projection_ratio.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -55,7 +54,7 @@ UncoveredPoints::UncoveredPoints(const CoverageMap& coverage,
 void UncoveredPoints::AddExistingViews(const std::vector<PosedPhoto>& existing,
                                        const VisibilityEngine& engine,
                                        double min_projection_ratio) {
-  tbb::parallel_for(std::size_t{0}, size(), [&](std::size_t i) {
+  ParallelFor(size(), [&](std::size_t i) {
     for (const PosedPhoto& photo : existing) {
       if (ProjectionRatio(photo.camera, photo.cam_from_world, positions_[i], normals_[i]) <
           min_projection_ratio) {

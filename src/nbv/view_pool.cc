@@ -1,12 +1,11 @@
 #include "nbv/view_pool.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <unordered_set>
 
+#include "colmap_ext/util/parallel.h"
 #include "nbv/view_fan.h"
 
 namespace colmap_ext {
@@ -92,9 +91,8 @@ Positions Thinned(const Positions& positions, double smallest_m, std::size_t wan
 
 Positions OnlyFree(const SearchContext& context, const Positions& positions) {
   std::vector<char> is_free(positions.size(), 0);
-  tbb::parallel_for(std::size_t{0}, positions.size(), [&](std::size_t i) {
-    is_free[i] = IsFreePosition(context, positions[i]) ? 1 : 0;
-  });
+  ParallelFor(positions.size(),
+              [&](std::size_t i) { is_free[i] = IsFreePosition(context, positions[i]) ? 1 : 0; });
   Positions free;
   for (std::size_t i = 0; i < positions.size(); ++i) {
     if (is_free[i] != 0) free.push_back(positions[i]);
@@ -216,7 +214,7 @@ ViewPool BuildViewPool(const SearchContext& context, const UncoveredPoints& poin
   const Positions positions = Thinned(pool.free_positions, 0.5 * context.options.grid_spacing_m,
                                       static_cast<std::size_t>(context.options.num_positions));
   std::vector<std::vector<PoolView>> by_place(positions.size());
-  tbb::parallel_for(std::size_t{0}, positions.size(), [&](std::size_t i) {
+  ParallelFor(positions.size(), [&](std::size_t i) {
     Directions at(context, directions);
     at.LookFrom(positions[i], points);
     for (const std::size_t k : at.Best(context.options.views_a_position)) {

@@ -3,7 +3,6 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/convex_hull_3.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -14,6 +13,7 @@
 #include <sstream>
 
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/parallel.h"
 #include "path/depth_raster.h"
 
 namespace colmap_ext {
@@ -186,7 +186,7 @@ FreeSpace::FreeSpace(const Surface& surface, const std::vector<PosedPhoto>& phot
   if (photos.empty()) return;
   const FaceClusters clusters(surface.mesh, ConfidentFaces(surface, options.confident_spacing_m));
   std::vector<std::optional<DepthRaster>> views(photos.size());
-  tbb::parallel_for(std::size_t{0}, photos.size(), [&](std::size_t i) {
+  ParallelFor(photos.size(), [&](std::size_t i) {
     views[i].emplace(clusters, photos[i].cam_from_world, photos[i].camera);
   });
   for (auto& view : views) impl_->views.push_back(std::move(*view));

@@ -1,10 +1,10 @@
 #include "path/leg_table.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <limits>
 #include <set>
+
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -26,8 +26,8 @@ double LengthOf(const Polyline& polyline) {
 
 LegTable::LegTable(const LegPlanner& planner, Polyline places, const JobControl& job)
     : planner_(planner), places_(std::move(places)), direct_(places_.size() * places_.size()) {
-  tbb::parallel_for(std::size_t{1}, std::max<std::size_t>(1, places_.size()), [&](std::size_t i) {
-    if (!job.IsCancelled()) FindDirect(0, i);
+  ParallelFor(places_.size(), [&](std::size_t i) {
+    if (i > 0 && !job.IsCancelled()) FindDirect(0, i);
   });
   job.ThrowIfCancelled();
 }
@@ -72,7 +72,7 @@ std::vector<std::pair<std::size_t, std::size_t>> LegTable::PairsToFind() const {
 void LegTable::FindAll(const JobControl& job) {
   KeepReached();
   const auto pairs = PairsToFind();
-  tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t k) {
+  ParallelFor(pairs.size(), [&](std::size_t k) {
     if (!job.IsCancelled()) FindDirect(pairs[k].first, pairs[k].second);
   });
   job.ThrowIfCancelled();

@@ -1,7 +1,5 @@
 #include "colmap_ext/report/mesh_picture.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +8,7 @@
 
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -66,7 +65,7 @@ std::vector<Eigen::Vector3f> CornerNormals(const TriangleMesh& mesh, double crea
   }
   const auto limit = static_cast<float>(std::cos(crease_rad));
   std::vector<Eigen::Vector3f> normals(mesh.faces.size() * 3);
-  tbb::parallel_for(std::size_t{0}, mesh.faces.size(), [&](std::size_t f) {
+  ParallelFor(mesh.faces.size(), [&](std::size_t f) {
     for (std::size_t k = 0; k < 3; ++k) {
       const auto vertex = static_cast<std::size_t>(mesh.faces[f][static_cast<int>(k)]);
       Eigen::Vector3f sum = Eigen::Vector3f::Zero();
@@ -249,7 +248,7 @@ Picture MeshPainter::Render(const ColorAt& color, const PictureCamera& camera) c
   const int width = camera.camera.width, height = camera.camera.height;
   picture.depth_m.create(height, width, CV_32F);
   cv::Mat coarse(height, width, CV_32FC3);
-  tbb::parallel_for(0, height, [&](int y) {
+  ParallelFor(height, [&](int y) {
     for (int x = 0; x < width; ++x) {
       const Sample sample = Trace(color, camera, lights, {x + 0.5, y + 0.5});
       coarse.at<cv::Vec3f>(y, x) = {sample.color[0], sample.color[1], sample.color[2]};
@@ -258,7 +257,7 @@ Picture MeshPainter::Render(const ColorAt& color, const PictureCamera& camera) c
   });
   // Four samples only where neighbours differ: the same edges at a fraction of the rays.
   picture.bgr.create(height, width, CV_8UC3);
-  tbb::parallel_for(0, height, [&](int y) {
+  ParallelFor(height, [&](int y) {
     for (int x = 0; x < width; ++x) {
       const cv::Vec3f& center = coarse.at<cv::Vec3f>(y, x);
       Rgb mean(center[0], center[1], center[2]);

@@ -1,7 +1,5 @@
 #include "report/page_photos.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -13,6 +11,7 @@
 #include "colmap_ext/scene/photo.h"
 #include "colmap_ext/scene/reconstruction_io.h"
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/parallel.h"
 #include "scene/undistort.h"
 
 namespace colmap_ext {
@@ -86,7 +85,7 @@ void WritePagePhotos(const Workspace& workspace, const fs::path& image_path, int
   std::vector<const SparseImage*> images;
   for (const auto& [id, image] : model.images) images.push_back(&image);
   std::vector<std::string> problems(images.size());
-  tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
+  ParallelFor(images.size(), [&](std::size_t i) {
     if (job.IsCancelled()) return;
     const fs::path source = image_path / images[i]->name;
     const fs::path target = folder / PagePhotoFolder(width_px) / (images[i]->name + ".jpg");

@@ -1,7 +1,5 @@
 #include "colmap_ext/report/session_pictures.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +7,7 @@
 
 #include "colmap_ext/geom/point_index.h"
 #include "colmap_ext/report/picture_overlay.h"
+#include "colmap_ext/util/parallel.h"
 #include "colmap_ext/util/text.h"
 
 namespace colmap_ext {
@@ -57,8 +56,8 @@ class ClassLookup {
     // Iso-points are Poisson-disk samples: one is never much further than the radius of two disks.
     if (map.disk_area_m2 > 0) reach_ = 4 * std::sqrt(map.disk_area_m2 / M_PI);
     std::vector<int> class_of_vertex(mesh.vertices.size());
-    tbb::parallel_for(std::size_t{0}, mesh.vertices.size(),
-                      [&](std::size_t i) { class_of_vertex[i] = Find(mesh.vertices[i]); });
+    ParallelFor(mesh.vertices.size(),
+                [&](std::size_t i) { class_of_vertex[i] = Find(mesh.vertices[i]); });
     class_of_face_.assign(mesh.faces.size(), kMixed);
     for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
       const auto corner = [&](int k) { return static_cast<std::size_t>(mesh.faces[f][k]); };

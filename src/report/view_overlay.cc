@@ -1,12 +1,11 @@
 #include "colmap_ext/report/view_overlay.h"
 
-#include <tbb/parallel_for.h>
-
 #include <cmath>
 #include <ostream>
 
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
+#include "colmap_ext/util/parallel.h"
 #include "report/packed_array.h"
 
 namespace colmap_ext {
@@ -53,9 +52,8 @@ void WriteViewOverlays(const PhotoSet& photos, const std::vector<ViewMesh>& view
                 std::to_string(photos.photos.size()) + " photos");
   }
   std::vector<std::string> text(views.size());
-  tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
-    text[i] = OverlayOf(views[i], photos.photos[i].name).dump();
-  });
+  ParallelFor(views.size(),
+              [&](std::size_t i) { text[i] = OverlayOf(views[i], photos.photos[i].name).dump(); });
   WriteFileAtomically(path, [&](std::ostream& out) {
     out << "{";
     for (std::size_t i = 0; i < views.size(); ++i) {

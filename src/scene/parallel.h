@@ -1,11 +1,11 @@
 // Parallel work over files, with errors that do not depend on the number of threads.
 #pragma once
 
-#include <tbb/parallel_for.h>
-
 #include <cstddef>
 #include <exception>
 #include <vector>
+
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 
@@ -14,7 +14,7 @@ namespace colmap_ext {
 template <typename Work>
 void ParallelForEach(std::size_t count, const Work& work) {
   std::vector<std::exception_ptr> failures(count);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+  ParallelFor(count, [&](std::size_t i) {
     try {
       work(i);
     } catch (...) {

@@ -1,7 +1,5 @@
 #include "colmap_ext/scene/photo.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <map>
 #include <opencv2/imgcodecs.hpp>

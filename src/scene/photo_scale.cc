@@ -1,15 +1,16 @@
 #include "colmap_ext/scene/photo_scale.h"
 
-#include <tbb/parallel_for_each.h>
-
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "colmap_ext/util/parallel.h"
+
 namespace colmap_ext {
 
 void DownscalePhotos(int max_width_px, PhotoSet* photo_set) {
-  tbb::parallel_for_each(photo_set->photos, [max_width_px](PosedPhoto& photo) {
+  ParallelFor(photo_set->photos.size(), [&](std::size_t i) {
+    PosedPhoto& photo = photo_set->photos[i];
     const int width = photo.camera.width;
     if (width <= max_width_px) return;
     const double ratio = static_cast<double>(max_width_px) / width;

@@ -1,14 +1,14 @@
 #include "scene/undistort.h"
 
-#include <tbb/parallel_for.h>
-
 #include <opencv2/imgproc.hpp>
+
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 
 cv::Mat BuildUndistortMap(const Camera& camera, const PinholeCamera& pinhole) {
   cv::Mat map(pinhole.height, pinhole.width, CV_32FC2);
-  tbb::parallel_for(0, pinhole.height, [&](int row) {
+  ParallelFor(pinhole.height, [&](int row) {
     for (int col = 0; col < pinhole.width; ++col) {
       // COLMAP's pixel centres are at + 0.5, OpenCV's at whole numbers.
       const Eigen::Vector3d ray = pinhole.Ray({col + 0.5, row + 0.5});

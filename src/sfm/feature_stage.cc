@@ -1,7 +1,5 @@
 #include "feature_stage.h"
 
-#include <tbb/parallel_for.h>
-
 #include <map>
 #include <set>
 #include <string>
@@ -10,6 +8,7 @@
 #include "colmap_ext/scene/photo.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -102,7 +101,7 @@ std::optional<PositionPrior> PriorOf(const CatalogPhoto& photo) {
 void RequireReadablePhotos(const std::vector<std::string>& names, const fs::path& image_path,
                            const JobControl& job) {
   std::vector<std::string> complaints(names.size());
-  tbb::parallel_for(std::size_t{0}, names.size(), [&](std::size_t i) {
+  ParallelFor(names.size(), [&](std::size_t i) {
     if (job.IsCancelled()) return;
     try {
       ReadPhoto((image_path / names[i]).string());

@@ -1,7 +1,5 @@
 #include "match_stage.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 #include <exception>
@@ -13,6 +11,7 @@
 
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
+#include "colmap_ext/util/parallel.h"
 #include "guided_matching.h"
 
 namespace colmap_ext {
@@ -163,7 +162,7 @@ void GuideMatches(const std::vector<PairMatches>& all_matches, const DatabaseVie
     ids.insert({all_matches[i].pair.first, all_matches[i].pair.second});
   }
   const std::map<ImageId, PhotoFeatures> features = ReadFeatures(ids, database);
-  tbb::parallel_for(std::size_t{0}, guides.size(), [&](std::size_t k) {
+  ParallelFor(guides.size(), [&](std::size_t k) {
     if (job.IsCancelled()) return;
     const std::size_t i = guides[k];
     TwoViewGeometry& geometry = (*runs)[i / kPairsPerRun][i % kPairsPerRun];
@@ -235,7 +234,7 @@ void VerifyAndStore(const std::vector<PairMatches>& all_matches, const UpdateDat
   std::vector<std::exception_ptr> failures(num_runs);
   std::atomic<std::size_t> done = 0;
   colmap->dialect().HasOption("matches_importer", "match_type");  // asked before the threads start
-  tbb::parallel_for(std::size_t{0}, num_runs, [&](std::size_t i) {
+  ParallelFor(num_runs, [&](std::size_t i) {
     if (job.IsCancelled()) return;
     const std::size_t begin = i * kPairsPerRun;
     const std::size_t count = std::min(kPairsPerRun, all_matches.size() - begin);

@@ -1,12 +1,11 @@
 #include "colmap_ext/sfm/matching.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/parallel.h"
 #include "descriptor_kernel.h"
 
 namespace colmap_ext {
@@ -80,7 +79,7 @@ std::vector<std::vector<KeypointMatch>> MatchPhotoPairs(const std::vector<Descri
   ThrowIfInvalid(options.Check());
   std::vector<std::vector<KeypointMatch>> matches(pairs.size());
   std::atomic<std::size_t> done = 0;
-  tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) {
+  ParallelFor(pairs.size(), [&](std::size_t i) {
     if (job.IsCancelled()) return;
     matches[i] = MatchDescriptors(photos[static_cast<std::size_t>(pairs[i].first)],
                                   photos[static_cast<std::size_t>(pairs[i].second)], options);

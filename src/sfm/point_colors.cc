@@ -1,13 +1,13 @@
 #include "point_colors.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
+
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -46,7 +46,7 @@ void ColorPoints(const std::filesystem::path& image_path, const std::vector<std:
     if (names.contains(image.name)) images.push_back(&image);
   }
   std::vector<std::vector<Sample>> samples(images.size());
-  tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t i) {
+  ParallelFor(images.size(), [&](std::size_t i) {
     samples[i] = SamplePhoto(image_path / images[i]->name, *images[i], wanted);
   });
   struct Sum {

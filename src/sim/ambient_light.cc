@@ -1,10 +1,9 @@
 #include "sim/ambient_light.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 
 #include "colmap_ext/geom/ray_scene.h"
+#include "colmap_ext/util/parallel.h"
 #include "sim/face_visibility.h"
 
 namespace colmap_ext {
@@ -53,7 +52,7 @@ std::vector<AmbientLight> ComputeAmbientLight(const TexturedScene& scene, int ra
   const double far_m = 20 * model.diagonal().norm();
   const auto origins = RayOrigins(scene, 1e-4 * model.diagonal().norm());
   const auto directions = HemisphereDirections(rays, true);
-  tbb::parallel_for(std::size_t{0}, light.size(), [&](std::size_t i) {
+  ParallelFor(light.size(), [&](std::size_t i) {
     const Eigen::Matrix3d rotation =
         RotationFromZ(scene.vertex_normals[i].cast<double>().normalized());
     double sky = 0, bounce = 0;

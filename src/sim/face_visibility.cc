@@ -1,13 +1,12 @@
 #include "sim/face_visibility.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 
 #include "colmap_ext/geom/ray_scene.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -32,7 +31,7 @@ class VisibilityTest {
         rays_(mesh),
         has_ground_(std::count(object_of_face.begin(), object_of_face.end(), kGroundObject) > 0),
         ground_view_(mesh.faces.size(), GroundView::kNoSky) {
-    tbb::parallel_for(std::size_t{0}, mesh.faces.size(), [&](std::size_t i) {
+    ParallelFor(mesh.faces.size(), [&](std::size_t i) {
       if (object_of_face_[i] == kGroundObject) ground_view_[i] = ViewOfGround(i);
     });
   }
@@ -137,7 +136,7 @@ std::vector<bool> FindVisibleFaces(const TriangleMesh& mesh,
                                    const std::vector<int>& object_of_face) {
   const VisibilityTest test(mesh, object_of_face);
   std::vector<std::uint8_t> visible(mesh.faces.size(), 1);  // not vector<bool>: written in parallel
-  tbb::parallel_for(std::size_t{0}, mesh.faces.size(), [&](std::size_t i) {
+  ParallelFor(mesh.faces.size(), [&](std::size_t i) {
     if (object_of_face[i] != kGroundObject) visible[i] = test.FaceIsVisible(i) ? 1 : 0;
   });
   return {visible.begin(), visible.end()};

@@ -1,8 +1,5 @@
 #include "colmap_ext/sim/renderer.h"
 
-#include <tbb/blocked_range2d.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +7,7 @@
 #include <vector>
 
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/parallel.h"
 #include "sim/camera_rays.h"
 #include "sim/noise.h"
 #include "sim/ray_packets.h"
@@ -32,7 +30,7 @@ template <typename Function>
 void ForEachTile(const PinholeCamera& camera, const Function& tile) {
   const int columns = (camera.width + kTile - 1) / kTile;
   const int rows = (camera.height + kTile - 1) / kTile;
-  tbb::parallel_for(0, columns * rows, [&](int index) {
+  ParallelFor(columns * rows, [&](int index) {
     const int x0 = index % columns * kTile, y0 = index / columns * kTile;
     tile(x0, y0, std::min(x0 + kTile, camera.width), std::min(y0 + kTile, camera.height));
   });

@@ -1,10 +1,9 @@
 // The second half of SceneBuilder: textures are packed and painted, hidden faces dropped.
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "colmap_ext/util/parallel.h"
 #include "sim/face_visibility.h"
 #include "sim/scene_builder.h"
 
@@ -60,7 +59,7 @@ cv::Size SceneBuilder::PackCharts(int material) {
 void SceneBuilder::PaintChart(const Chart& chart, std::uint32_t seed, cv::Mat* texture) const {
   const MaterialEntry& material = materials_[static_cast<std::size_t>(chart.material)];
   const int jobs = (chart.height + kRowsPerJob - 1) / kRowsPerJob;
-  tbb::parallel_for(0, jobs, [&](int job) {
+  ParallelFor(jobs, [&](int job) {
     SurfacePoint point;
     point.size = chart.size_m.cast<float>();
     point.seed = seed;
@@ -81,7 +80,7 @@ void SceneBuilder::PaintChart(const Chart& chart, std::uint32_t seed, cv::Mat* t
 
 cv::Mat SceneBuilder::PaintMaterial(int material, const cv::Size& size) const {
   cv::Mat texture(size, CV_8UC3, cv::Scalar(128, 128, 128));
-  tbb::parallel_for(std::size_t{0}, charts_.size(), [&](std::size_t i) {
+  ParallelFor(charts_.size(), [&](std::size_t i) {
     if (charts_[i].material != material || !charts_[i].used) return;
     PaintChart(charts_[i], seed_ + static_cast<std::uint32_t>(i) * 7919U, &texture);
   });

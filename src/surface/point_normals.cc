@@ -1,12 +1,11 @@
 #include "colmap_ext/surface/point_normals.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Eigenvalues>
 #include <limits>
 
 #include "colmap_ext/geom/point_index.h"
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -64,7 +63,7 @@ void EstimateNormals(const std::vector<PosedPhoto>& photos, int num_neighbors,
   for (const OrientedPoint& point : *points) positions.push_back(point.position);
   for (const PosedPhoto& photo : photos) centers.push_back(CameraCenter(photo.cam_from_world));
   const PointIndex index(positions);
-  tbb::parallel_for(std::size_t{0}, points->size(), [&](std::size_t i) {
+  ParallelFor(points->size(), [&](std::size_t i) {
     const Eigen::Vector3d normal = PlaneNormal(*points, index.NearestOf(positions[i], count));
     const Eigen::Vector3d to_viewer = NearestViewer(photos, centers, positions[i]) - positions[i];
     (*points)[i].normal = normal.dot(to_viewer) < 0 ? Eigen::Vector3d(-normal) : normal;

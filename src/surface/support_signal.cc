@@ -1,12 +1,10 @@
 #include "surface/support_signal.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "colmap_ext/util/parallel.h"
 #include "surface/open3d_bridge.h"
 
 namespace colmap_ext {
@@ -94,10 +92,7 @@ SupportSignal ComputeSupportSignal(const ThinnedCloud& cloud, const TriangleMesh
         SpacingOf(support.WithoutStrongestPhoto(), squared_radius, max_spacing_m);
     signal.scatter[vertex] = scatter.Rms(max_spacing_m);
   };
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.vertices.size(), 256),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t i = range.begin(); i < range.end(); ++i) compute_vertex(i);
-                    });
+  ParallelFor(mesh.vertices.size(), compute_vertex);
   return signal;
 }
 

@@ -1,5 +1,6 @@
 """The faults of the campaign. Each strikes a session in a workspace once and heals what it broke."""
 
+import abc
 import os
 import random
 import re
@@ -18,7 +19,7 @@ def wait_until_used(process, cpu_seconds):
     wait_for(lambda: cpu_seconds_of(process.pid) >= cpu_seconds, process)
 
 
-class Fault:
+class Fault(abc.ABC):
     name = ""
     exit_codes = (1,)  # that the program may end with
     damaged = None     # file that the fault itself changed
@@ -31,9 +32,9 @@ class Fault:
         """What to try, `count` of them or as many as there are."""
         return [random_source.random() for _ in range(count)]
 
+    @abc.abstractmethod
     def strike(self, campaign, workspace, variant):
         """How the struck run ended, or None when it ended before it could be struck."""
-        raise NotImplementedError
 
     def heal(self, campaign, workspace):
         pass
@@ -68,7 +69,7 @@ class FileLimit(Fault):
 
     def strike(self, campaign, workspace, variant):
         def limit():
-            # Ignored, so that a write fails as on a full disk instead of ending the program.
+#Ignored, so that a write fails as on a full disk instead of ending the program.
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
             resource.setrlimit(resource.RLIMIT_FSIZE, (variant, variant))
         return campaign.session.run(workspace, limit=limit)
@@ -103,7 +104,7 @@ class FullDisk(Fault):
         room = random.Random(variant).choice([0, 4096, 65536, MIB])
         with open(Path(workspace) / "ballast", "wb", buffering=0) as ballast:
             try:
-                while True:
+  while True:
                     ballast.write(bytes(65536))
             except OSError:
                 ballast.truncate(max(0, ballast.tell() - room))
@@ -214,7 +215,7 @@ class DamagedFile(Fault):
         self.content = self.path.read_bytes()
         self.path.write_bytes(self.content[:int(share * len(self.content))])
         ended = campaign.session.run(workspace)
-        # What is not needed to go on may be damaged, but what is needed has to be named.
+#What is not needed to go on may be damaged, but what is needed has to be named.
         if ended.exit_code != 0 and self.path.name not in ended.said:
             campaign.problem(f"{name}: not named by: {ended.said}")
         return ended

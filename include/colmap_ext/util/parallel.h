@@ -1,0 +1,60 @@
+// Loops over all cores.
+#pragma once
+
+#include <tbb/parallel_for.h>
+
+#include <atomic>
+
+namespace colmap_ext {
+
+// What comes before a loop happens before its calls, and these before what comes after it. TBB sees
+// to that, but ThreadSanitizer cannot know, for the library is not built with it: here it is told.
+// Does nothing in other builds.
+class LoopOrder {
+ public:
+  LoopOrder() {
+    if constexpr (kIsWatched) opened_.store(true, std::memory_order_release);
+  }
+  void Close() const {
+    if constexpr (kIsWatched) closed_.load(std::memory_order_acquire);
+  }
+
+  // Around one call of the loop's body.
+  class Call {
+   public:
+    explicit Call(LoopOrder& order) : order_(order) {
+      if constexpr (kIsWatched) order_.opened_.load(std::memory_order_acquire);
+    }
+    ~Call() {
+      if constexpr (kIsWatched) order_.closed_.fetch_add(1, std::memory_order_release);
+    }
+    Call(const Call&) = delete;
+    Call& operator=(const Call&) = delete;
+
+   private:
+    LoopOrder& order_;
+  };
+
+ private:
+#if defined(__SANITIZE_THREAD__)
+  static constexpr bool kIsWatched = true;
+#else
+  static constexpr bool kIsWatched = false;
+#endif
+  std::atomic<bool> opened_ = false;
+  std::atomic<int> closed_ = 0;
+};
+
+// Calls body(0) … body(count - 1), in any order, on all cores that TBB may use. `body` is called
+// from several threads at once. An exception of one of the calls ends the loop, and is thrown.
+template <typename Index, typename Body>
+void ParallelFor(Index count, const Body& body) {
+  LoopOrder order;
+  tbb::parallel_for(Index{0}, count, [&order, &body](Index i) {
+    const LoopOrder::Call call(order);
+    body(i);
+  });
+  order.Close();
+}
+
+}  // namespace colmap_ext

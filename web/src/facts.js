@@ -50,8 +50,11 @@ export function showTiles(app) {
         changed(it.mean_error_m, before.mean_error_m, metres),
       ),
     );
-  if (it.planned_views !== undefined)
-    tiles.push(tile(String(it.planned_views), 'views planned next'));
+  if (it.planned_views !== undefined) {
+    const isFlown = !app.session.finished || app.index < iterations.length - 1;
+    const label = isFlown ? 'views planned next' : 'views planned, not flown';
+    tiles.push(tile(String(it.planned_views), label));
+  }
   const path = app.data?.path;
   if (path?.waypoints?.length > 1)
     tiles.push(

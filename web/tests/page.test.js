@@ -218,11 +218,12 @@ describe('the page', () => {
     await shown(page, 0);
     assert.equal(await photos(), 6);
     assert.match(await page.textContent('#now'), /Iteration 0 of 2.*6 photos/s);
-    assert.match(await page.textContent('#tiles'), /50\.0 %/);
+    assert.match(await page.textContent('#tiles'), /50\.0 %.*views planned next/s);
     await page.click('#next');
     await shown(page, 1);
     await page.keyboard.press('.');
     await shown(page, 2);
+    assert.match(await page.textContent('#tiles'), /views planned, not flown/);
     await page.keyboard.press(',');
     await shown(page, 1);
     await page.click('#tab-table');

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Fails when a source file is not formatted as .clang-format says; --fix formats them all.
+# Fails when a source file is not formatted as .clang-format says, or a Python script is not Python;
+# --fix formats the sources.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -8,5 +9,9 @@ if [[ "${1:-}" == "--fix" ]]; then
   clang-format -i "${sources[@]}"
 else
   clang-format --dry-run --Werror "${sources[@]}"
-  echo "Format: ${#sources[@]} files are clean"
+  mapfile -t scripts < <(find examples tests -name '*.py' -not -path '*/node_modules/*' | sort)
+  python3 -c 'import ast, sys
+for path in sys.argv[1:]:
+    ast.parse(open(path, encoding="utf-8").read(), path)' "${scripts[@]}"
+  echo "Format: ${#sources[@]} files and ${#scripts[@]} scripts are clean"
 fi

@@ -69,7 +69,7 @@ class FileLimit(Fault):
 
     def strike(self, campaign, workspace, variant):
         def limit():
-#Ignored, so that a write fails as on a full disk instead of ending the program.
+            # Ignored, so that a write fails as on a full disk instead of ending the program.
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
             resource.setrlimit(resource.RLIMIT_FSIZE, (variant, variant))
         return campaign.session.run(workspace, limit=limit)
@@ -104,7 +104,7 @@ class FullDisk(Fault):
         room = random.Random(variant).choice([0, 4096, 65536, MIB])
         with open(Path(workspace) / "ballast", "wb", buffering=0) as ballast:
             try:
-  while True:
+                while True:
                     ballast.write(bytes(65536))
             except OSError:
                 ballast.truncate(max(0, ballast.tell() - room))
@@ -215,7 +215,7 @@ class DamagedFile(Fault):
         self.content = self.path.read_bytes()
         self.path.write_bytes(self.content[:int(share * len(self.content))])
         ended = campaign.session.run(workspace)
-#What is not needed to go on may be damaged, but what is needed has to be named.
+        # What is not needed to go on may be damaged, but what is needed has to be named.
         if ended.exit_code != 0 and self.path.name not in ended.said:
             campaign.problem(f"{name}: not named by: {ended.said}")
         return ended

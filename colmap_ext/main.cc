@@ -1,6 +1,8 @@
 // colmap_ext: active image-based modeling for COLMAP. One verb a command, as in COLMAP.
 #include <array>
 #include <iostream>
+#include <new>
+#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
@@ -61,10 +63,20 @@ void PrintHelp(std::ostream& stream) {
   stream << "\nExit codes: " << kExitCodes << ".\n";
 }
 
+// OpenCV has an exception of its own for too little memory.
+int RunInMemory(const Command& command, const Arguments& arguments, Program& program) {
+  try {
+    return command.run(arguments, program);
+  } catch (const cv::Exception& error) {
+    if (error.code == cv::Error::StsNoMem) throw std::bad_alloc();
+    throw;
+  }
+}
+
 int RunCommand(const Command& command, const Arguments& arguments) {
   Program program(std::string("colmap_ext ") + command.name, arguments);
   const SignalWatcher watcher(&program.cancel, &program.log);
-  return program.Run(arguments, [&] { return command.run(arguments, program); });
+  return program.Run(arguments, [&] { return RunInMemory(command, arguments, program); });
 }
 
 const Command* FindCommand(const std::string& name) {

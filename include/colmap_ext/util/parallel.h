@@ -3,7 +3,9 @@
 
 #include <tbb/parallel_for.h>
 
-#include <atomic>
+#if defined(__SANITIZE_THREAD__)
+#include <sanitizer/tsan_interface.h>
+#endif
 
 namespace colmap_ext {
 
@@ -12,22 +14,14 @@ namespace colmap_ext {
 // Does nothing in other builds.
 class LoopOrder {
  public:
-  LoopOrder() {
-    if constexpr (kIsWatched) opened_.store(true, std::memory_order_release);
-  }
-  void Close() const {
-    if constexpr (kIsWatched) closed_.load(std::memory_order_acquire);
-  }
+  LoopOrder() { Release(); }
+  void Close() { Acquire(); }
 
   // Around one call of the loop's body.
   class Call {
    public:
-    explicit Call(LoopOrder& order) : order_(order) {
-      if constexpr (kIsWatched) order_.opened_.load(std::memory_order_acquire);
-    }
-    ~Call() {
-      if constexpr (kIsWatched) order_.closed_.fetch_add(1, std::memory_order_release);
-    }
+    explicit Call(LoopOrder& order) : order_(order) { order_.Acquire(); }
+    ~Call() { order_.Release(); }
     Call(const Call&) = delete;
     Call& operator=(const Call&) = delete;
 
@@ -37,12 +31,12 @@ class LoopOrder {
 
  private:
 #if defined(__SANITIZE_THREAD__)
-  static constexpr bool kIsWatched = true;
+  void Acquire() { __tsan_acquire(this); }
+  void Release() { __tsan_release(this); }
 #else
-  static constexpr bool kIsWatched = false;
+  void Acquire() {}
+  void Release() {}
 #endif
-  std::atomic<bool> opened_ = false;
-  std::atomic<int> closed_ = 0;
 };
 
 // Calls body(0) … body(count - 1), in any order, on all cores that TBB may use. `body` is called

@@ -64,7 +64,7 @@ void PrintHelp(std::ostream& stream) {
 }
 
 // OpenCV has an exception of its own for too little memory.
-int RunInMemory(const Command& command, const Arguments& arguments, Program& program) {
+int RunSayingOutOfMemory(const Command& command, const Arguments& arguments, Program& program) {
   try {
     return command.run(arguments, program);
   } catch (const cv::Exception& error) {
@@ -76,7 +76,7 @@ int RunInMemory(const Command& command, const Arguments& arguments, Program& pro
 int RunCommand(const Command& command, const Arguments& arguments) {
   Program program(std::string("colmap_ext ") + command.name, arguments);
   const SignalWatcher watcher(&program.cancel, &program.log);
-  return program.Run(arguments, [&] { return RunInMemory(command, arguments, program); });
+  return program.Run(arguments, [&] { return RunSayingOutOfMemory(command, arguments, program); });
 }
 
 const Command* FindCommand(const std::string& name) {
@@ -86,23 +86,22 @@ const Command* FindCommand(const std::string& name) {
   return nullptr;
 }
 
-int UnknownCommand(const std::string& name) {
+std::vector<std::string> CommandNames() {
   std::vector<std::string> names;
   for (const Command& command : kCommands) names.emplace_back(command.name);
-  const std::string nearest = NearestName(name, names);
-  std::cerr << "colmap_ext: no such command: " << name
-            << (nearest.empty() ? "" : " (did you mean " + nearest + "?)")
+  return names;
+}
+
+int UnknownCommand(const std::string& name) {
+  std::cerr << "colmap_ext: no such command: " << name << Suggestion(name, CommandNames())
             << "; `colmap_ext help` lists them\n";
   return 2;
 }
 
 int PrintHelpOfAll(const std::string& format) {
   std::vector<CommandSummary> summaries;
-  std::vector<std::string> names;
-  for (const Command& command : kCommands) {
-    summaries.push_back({command.name, command.summary});
-    names.emplace_back(command.name);
-  }
+  const std::vector<std::string> names = CommandNames();
+  for (const Command& command : kCommands) summaries.push_back({command.name, command.summary});
   if (format == "text") {
     PrintHelp(std::cout);
   } else if (format == "names") {

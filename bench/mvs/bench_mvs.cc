@@ -12,9 +12,9 @@
 #include "colmap_ext/scene/reconstruction_io.h"
 #include "colmap_ext/util/child_process.h"
 #include "colmap_ext/util/error.h"
-#include "colmap_ext/util/exit_code.h"
 #include "colmap_ext/util/stage_timer.h"
 #include "colmap_ext/util/text.h"
+#include "support/bench_main.h"
 #include "support/bench_report.h"
 #include "survey.h"
 
@@ -194,7 +194,7 @@ void Bench(const Settings& settings, const JobControl& job) {
   report.Write(settings.results);
 }
 
-int Main(const std::vector<std::string>& arguments) {
+int Run(const std::vector<std::string>& arguments) {
   Settings settings;
   OptionSet options;
   options.Add("", "scene", &settings.survey.scene, "church, boxes or gate");
@@ -225,7 +225,5 @@ int Main(const std::vector<std::string>& arguments) {
 }  // namespace colmap_ext
 
 int main(int argc, char** argv) {
-  return colmap_ext::ExitCodeOf("bench_mvs", [&] {
-    return colmap_ext::Main({argv + 1, argv + argc});
-  });
+  return colmap_ext::BenchMain("bench_mvs", argc, argv, colmap_ext::Run);
 }

@@ -23,10 +23,7 @@ Candidates FindCandidates(const SearchContext& context, const UncoveredPoints& p
                           const std::vector<std::size_t>& indices,
                           const std::vector<Anchor>& anchors) {
   ViewPool pool = BuildViewPool(context, points);
-  std::vector<char> is_seen(points.size(), 0);
-  for (const PoolView& view : pool.views) {
-    for (const std::uint32_t point : view.seen) is_seen[point] = 1;
-  }
+  const std::vector<char> is_seen = SeenByAny(pool.views, points.size());
   std::vector<std::size_t> unseen;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (is_seen[i] == 0) unseen.push_back(indices[i]);

@@ -184,12 +184,17 @@ class Directions {
 
 }  // namespace
 
-std::size_t PartSeen(const std::vector<PoolView>& pool, std::size_t num_points,
-                     std::size_t uncovered) {
+std::vector<char> SeenByAny(const std::vector<PoolView>& pool, std::size_t num_points) {
   std::vector<char> is_seen(num_points, 0);
   for (const PoolView& view : pool) {
     for (const std::uint32_t point : view.seen) is_seen[point] = 1;
   }
+  return is_seen;
+}
+
+std::size_t PartSeen(const std::vector<PoolView>& pool, std::size_t num_points,
+                     std::size_t uncovered) {
+  const std::vector<char> is_seen = SeenByAny(pool, num_points);
   const auto num_seen = static_cast<double>(std::count(is_seen.begin(), is_seen.end(), 1));
   return static_cast<std::size_t>(num_seen / static_cast<double>(num_points) *
                                   static_cast<double>(uncovered));

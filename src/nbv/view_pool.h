@@ -29,6 +29,9 @@ struct ViewPool {
 // context) the views_a_position best are kept, each for what those before it do not see.
 ViewPool BuildViewPool(const SearchContext& context, const UncoveredPoints& points);
 
+// Of each of `num_points` points whether some view of the pool sees it.
+std::vector<char> SeenByAny(const std::vector<PoolView>& pool, std::size_t num_points);
+
 // Of `uncovered` points as many as is the part that some view of the pool sees of `num_points`.
 std::size_t PartSeen(const std::vector<PoolView>& pool, std::size_t num_points,
                      std::size_t uncovered);

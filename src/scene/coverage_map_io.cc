@@ -146,10 +146,7 @@ CoverageMap ReadCoverageMap(const std::filesystem::path& path) {
   const auto& ratio = rows.Numbers("best_projection_ratio");
   const auto& error = rows.Numbers("predicted_error_mm");
   // Maps of earlier versions have neither.
-  const auto has = [&data](const char* name) {
-    return data.FindElement("vertex")->FindScalar(name) != nullptr;
-  };
-  const bool has_score = has("score"), has_scatter = has("scatter_m");
+  const bool has_score = rows.Has("score"), has_scatter = rows.Has("scatter_m");
   map.points.resize(rows.NumRows());
   for (std::size_t i = 0; i < map.points.size(); ++i) {
     map.points[i] = {.position = positions[i],

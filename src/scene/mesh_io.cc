@@ -151,9 +151,7 @@ Surface ReadSurface(const std::filesystem::path& path) {
   surface.color = std::move(colored.color);
   const ColumnReader vertices(data, "vertex", path);
   surface.sample_spacing_m = vertices.Numbers("sample_spacing_m");
-  if (data.FindElement("vertex")->FindScalar("scatter_m") != nullptr) {
-    surface.scatter_m = vertices.Numbers("scatter_m");
-  }
+  if (vertices.Has("scatter_m")) surface.scatter_m = vertices.Numbers("scatter_m");
   return surface;
 }
 

@@ -119,13 +119,11 @@ struct OptionSet::Impl {
     return nullptr;
   }
 
-  // " (did you mean …?)", or "" when nothing is like `name`.
-  std::string Suggestion(std::string name) const {
+  std::string SuggestionFor(std::string name) const {
     name.erase(0, name.find_first_not_of('-'));
     std::vector<std::string> names;
     for (const Option& option : options) names.push_back(option.FullName());
-    const std::string nearest = NearestName(name, names);
-    return nearest.empty() ? "" : " (did you mean " + nearest + "?)";
+    return Suggestion(name, names);
   }
 
   bool HasSection(const std::string& section) const {
@@ -251,7 +249,7 @@ void OptionSet::Parse(const std::vector<std::string>& given_arguments) {
       }
     }
   } catch (const po::unknown_option& error) {
-    throw UsageError(std::string(error.what()) + impl_->Suggestion(error.get_option_name()) +
+    throw UsageError(std::string(error.what()) + impl_->SuggestionFor(error.get_option_name()) +
                      "; -h lists all options");
   } catch (const po::error& error) {
     throw UsageError(std::string(error.what()) + "; -h lists all options");
@@ -286,7 +284,7 @@ void OptionSet::ParseIniFile(const fs::path& path) {
     if (option == nullptr) {
       if (!section.empty() && !impl_->HasSection(section)) continue;
       if (section.empty()) continue;
-      throw UsageError(where + ": no such option: " + full_name + impl_->Suggestion(full_name));
+      throw UsageError(where + ": no such option: " + full_name + impl_->SuggestionFor(full_name));
     }
     if (impl_->from_command_line.contains(full_name)) continue;
     impl_->Set(*option, trim(line.substr(equals + 1)), where + ": " + full_name);

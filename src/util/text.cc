@@ -69,4 +69,9 @@ std::string NearestName(const std::string& name, const std::vector<std::string>&
   return nearest;
 }
 
+std::string Suggestion(const std::string& name, const std::vector<std::string>& names) {
+  const std::string nearest = NearestName(name, names);
+  return nearest.empty() ? "" : " (did you mean " + nearest + "?)";
+}
+
 }  // namespace colmap_ext

@@ -214,8 +214,8 @@ struct ViewPlanResult {
 // (nbv/reconstructability.h), then each view is moved and turned while that raises it.
 //
 // All respect distances, altitudes, the gimbal, `limits`, `may_fly`, `may_reach` and
-// registrability. Same result
-// for any number of threads. Throws UsageError for bad options, Error when `existing` is empty.
+// registrability. Same result for any number of threads. Throws UsageError for bad options, Error
+// when `existing` is empty.
 ViewPlanResult PlanNextViews(const ViewPlanInput& input, const NextBestViewOptions& options,
                              const JobControl& job);
 

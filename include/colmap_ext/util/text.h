@@ -21,5 +21,7 @@ std::string WrapText(const std::string& text, std::size_t width);
 // removed or changed letters, capitals and small ones alike, the first of several; "" when even
 // that is more than a third of the letters.
 std::string NearestName(const std::string& name, const std::vector<std::string>& names);
+// That as " (did you mean …?)", or "".
+std::string Suggestion(const std::string& name, const std::vector<std::string>& names);
 
 }  // namespace colmap_ext

@@ -19,6 +19,7 @@
 #include "support/bench_main.h"
 #include "support/bench_report.h"
 #include "support/evaluated_model.h"
+#include "support/session_curves.h"
 #include "table.h"
 
 namespace colmap_ext {
@@ -101,26 +102,6 @@ JudgedPlan Judge(const Ground& ground, const FlownPlan& plan, const std::string&
   return judged;
 }
 
-// Fast model and coverage after every iteration of the active sessions.
-std::string Curves(const fs::path& workspace, const std::string& title) {
-  std::string text =
-      "### " + title +
-      ": the fast model after every iteration\n\n| iteration | photos | covered | "
-      "mean error, mm | within 1 inch | within 2 inch |\n|---|---|---|---|---|---|\n";
-  const SessionSummary summary = ReadSummary(Workspace(workspace).summary_json());
-  for (std::size_t i = 0; i < summary.iterations.size(); ++i) {
-    const IterationSummary& iteration = summary.iterations[i];
-    text += "| " + std::to_string(i) + " | " + std::to_string(iteration.photos) + " | " +
-            FormatNumber("%.1f %%", 100 * iteration.covered_ratio.value_or(0)) + " | " +
-            FormatNumber("%.1f", 1000 * iteration.mean_error_m.value_or(0));
-    for (const CompletenessValue& value : iteration.completeness) {
-      text += " | " + FormatNumber("%.1f %%", 100 * value.share);
-    }
-    text += " |\n";
-  }
-  return text + "\n";
-}
-
 // Rows by plan and terms, one a seed; the models of the first seed for the picture.
 struct SceneResults {
   std::vector<std::pair<std::string, std::vector<PlanRow>>> rows;
@@ -157,7 +138,10 @@ void RunSeed(const Ground& ground, bool is_first_seed, const BenchOptions& optio
       active_photos = static_cast<int>(plan.views.size());
       active_metres = MetresOf(plan.views);
     }
-    if (is_first_seed) results->curves += Curves(workspace, ground.site.name + ", " + strategy);
+    if (is_first_seed) {
+      results->curves += CurveTable(ground.site.name + ", " + strategy,
+                                    ReadSummary(Workspace(workspace).summary_json()));
+    }
   }
   for (const ManualCount& manual : kManualPlans) {
     const auto wanted = SplitAtCommas(options.plans);

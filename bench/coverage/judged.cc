@@ -48,17 +48,27 @@ double MedianOf(std::vector<double>* values) {
   return *middle;
 }
 
-std::vector<double> CloudSpacing(const std::vector<IsoPoint>& points, const OrientedPoints& cloud) {
+std::vector<CloudAround> LookAtCloud(const std::vector<IsoPoint>& points,
+                                     const OrientedPoints& cloud, double iso_spacing_m) {
   constexpr std::size_t kNeighbors = 25;
   std::vector<Eigen::Vector3d> positions;
   for (const OrientedPoint& point : cloud) positions.push_back(point.position);
   const PointIndex index(positions);
-  std::vector<double> spacing(points.size());
+  std::vector<CloudAround> around(points.size());
   ParallelFor(points.size(), [&](std::size_t i) {
-    const double radius = index.NearestOf(points[i].position, kNeighbors).back().distance;
-    spacing[i] = radius * std::sqrt(M_PI / (kNeighbors - 1.0));
+    const auto neighbors = index.NearestOf(points[i].position, kNeighbors);
+    double smooth = 0;
+    for (const PointNeighbor& neighbor : neighbors) {
+      const Eigen::Vector3d& at = positions[static_cast<std::size_t>(neighbor.index)];
+      const double offset = 4 * points[i].normal.dot(at - points[i].position) / iso_spacing_m;
+      smooth += std::exp(-offset * offset);
+    }
+    // A point far from all of the cloud stays comparable with the others.
+    constexpr double kLeastSmoothness = 1e-12;
+    around[i] = {neighbors.back().distance * std::sqrt(M_PI / (kNeighbors - 1.0)),
+                 std::max(kLeastSmoothness, smooth / static_cast<double>(neighbors.size()))};
   });
-  return spacing;
+  return around;
 }
 
 // The samples that an iso-point stands for, by the errors there.
@@ -125,8 +135,8 @@ JudgedFlight Judge(const Site& site, const FlightModels& models, const CoverageO
     centers.push_back(CameraCenter(photo.cam_from_world));
   }
   const std::vector<double> errors = DistancesTo(ReadMesh(models.dense_surface), positions);
-  const std::vector<double> cloud_spacing =
-      CloudSpacing(map.points, ReadOrientedPoints(models.fused));
+  const std::vector<CloudAround> cloud =
+      LookAtCloud(map.points, ReadOrientedPoints(models.fused), judged.spacing_m);
   const PointIndex index(positions);
   const VisibilityEngine engine(surface.mesh, options.visibility);
   std::vector<JudgedPoint> points(map.points.size());
@@ -141,7 +151,7 @@ JudgedFlight Judge(const Site& site, const FlightModels& models, const CoverageO
                         point.scatter_m, DegToRad(options.error_model.max_angle_deg)),
                  {},
                  paper.points[i].coverage,
-                 cloud_spacing[i]};
+                 cloud[i]};
   });
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (map.points[i].coverage != CoverageClass::kIgnored) judged.points.push_back(points[i]);

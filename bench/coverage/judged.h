@@ -8,6 +8,17 @@
 
 namespace colmap_ext {
 
+// The points of the fast model's cloud around an iso-point: what rules for laser scanners look at.
+struct CloudAround {
+  double spacing_m = 0;   // 1 / sqrt(points an area)
+  double smoothness = 1;  // mean of exp(-(16 offset² / spacing of the iso-points²)) of the points,
+                          // offset along the normal, ]0, 1]
+
+  // Density times smoothness, points a square metre: the confidence of Wu et al., "Quality-driven
+  // Poisson-guided Autoscanning" (2014), as we read it.
+  double ScannerConfidence() const { return smoothness / (spacing_m * spacing_m); }
+};
+
 struct JudgedPoint {
   IsoPoint point;
   double true_error_m = 0;  // of the dense model, over the truth that the point stands for
@@ -16,7 +27,7 @@ struct JudgedPoint {
   CueLogs around;  // and the probability that the final model fails
   // Other rules.
   CoverageClass paper = CoverageClass::kUncovered;  // the paper's classification
-  double cloud_spacing_m = 0;  // 1 / sqrt(points an area) of the fast model's cloud around it
+  CloudAround cloud;
 };
 
 struct JudgedFlight {

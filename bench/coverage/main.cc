@@ -37,7 +37,7 @@ struct BenchOptions {
 // The judged points of one or more flights, as columns.
 struct Columns {
   std::vector<bool> is_bad, is_flagged, is_flagged_by_paper;
-  std::vector<double> doubt, predicted_mm, true_mm, spacing, few_views;
+  std::vector<double> doubt, predicted_mm, true_mm, spacing, scanner_doubt, few_views;
 
   void Add(const JudgedFlight& judged, double bad_mm) {
     for (const JudgedPoint& judged_point : judged.points) {
@@ -48,7 +48,8 @@ struct Columns {
       doubt.push_back(1 - point.score);
       predicted_mm.push_back(point.predicted_error_mm < 0 ? kNoPairMm : point.predicted_error_mm);
       true_mm.push_back(1000 * judged_point.true_error_m);
-      spacing.push_back(judged_point.cloud_spacing_m);
+      spacing.push_back(judged_point.cloud.spacing_m);
+      scanner_doubt.push_back(-judged_point.cloud.ScannerConfidence());
       few_views.push_back(-judged_point.cues.num_views);
     }
   }
@@ -77,6 +78,8 @@ void ReportColumns(const std::string& name, const Columns& columns, bool has_goa
   report->Add(name + ": AUC by predicted error alone",
               AreaUnderCurve(columns.predicted_mm, columns.is_bad), "");
   report->Add(name + ": AUC by point density", AreaUnderCurve(columns.spacing, columns.is_bad), "");
+  report->Add(name + ": AUC by density and smoothness",
+              AreaUnderCurve(columns.scanner_doubt, columns.is_bad), "");
   report->Add(name + ": AUC by count of views", AreaUnderCurve(columns.few_views, columns.is_bad),
               "");
   ReportFlags(name, MeasureFlags(columns.is_flagged, columns.is_bad), goal(0.8), report);
@@ -90,6 +93,8 @@ void ReportRivals(const std::string& name, const Columns& columns, BenchReport* 
               report);
   ReportFlags(name + ", point density at its best", BestFlags(columns.spacing, columns.is_bad),
               std::nullopt, report);
+  ReportFlags(name + ", density and smoothness at its best",
+              BestFlags(columns.scanner_doubt, columns.is_bad), std::nullopt, report);
   ReportFlags(name + ", count of views at its best", BestFlags(columns.few_views, columns.is_bad),
               std::nullopt, report);
   ReportFlags(name + ", the paper's classes",
@@ -128,8 +133,9 @@ void RunScene(const std::string& scene, const BenchOptions& options, const JobCo
     report->Add(name + ": truth without iso-point near", judged.unrepresented, "");
     ReportColumns(name, of_flight, false, report);
     if (!options.pictures.empty()) {
-      PaintVerdicts(judged, models.surface, 0.001 * options.bad_mm,
-                    options.pictures / (scene + "_" + quality));
+      const std::filesystem::path stem = options.pictures / (scene + "_" + quality);
+      PaintVerdicts(judged, models.surface, 0.001 * options.bad_mm, stem);
+      PaintComparison(judged, models.surface, 0.001 * options.bad_mm, stem);
     }
     if (!options.points.empty()) {
       WritePointsTable(judged, options.points / (scene + "_" + quality + ".csv"));

@@ -14,4 +14,11 @@ namespace colmap_ext {
 void PaintVerdicts(const JudgedFlight& judged, const std::filesystem::path& surface, double bad_m,
                    const std::filesystem::path& stem);
 
+// The paper's comparison of coverage maps: side by side our score, the rule of density and
+// smoothness for laser scanners, and the truth. As many points as are bad are orange in all three,
+// those that each rule doubts most; blue is the rest, grey is not judged. Writes
+// <stem>_rules_30.png and <stem>_rules_210.png.
+void PaintComparison(const JudgedFlight& judged, const std::filesystem::path& surface, double bad_m,
+                     const std::filesystem::path& stem);
+
 }  // namespace colmap_ext

@@ -18,7 +18,7 @@ void WritePointsTable(const JudgedFlight& judged, const std::filesystem::path& p
     std::snprintf(line, sizeof line,
                   "%.4f,%.4f,%.4f,%.3f,%.3f,%.3f,%d,%.3f,%.3f,%.3f,%.3f,%.3f,%d,%d,%.3f,%.3f\n",
                   at.x(), at.y(), at.z(), normal.x(), normal.y(), normal.z(), p.cues.num_views,
-                  p.cues.pixel_mm, p.cues.stereo_mm, p.cues.scatter_mm, 1000 * p.cloud_spacing_m,
+                  p.cues.pixel_mm, p.cues.stereo_mm, p.cues.scatter_mm, 1000 * p.cloud.spacing_m,
                   p.point.predicted_error_mm, p.point.coverage == CoverageClass::kUncovered,
                   p.paper == CoverageClass::kUncovered, 1000 * p.true_error_m,
                   1000 * p.distance_to_truth_m);

@@ -98,6 +98,32 @@ double Unrepresented(const std::vector<SurfaceSample>& samples, const std::vecto
   return count / static_cast<double>(samples.size());
 }
 
+// Of the samples of the truth, by what the map has there.
+std::vector<JudgedPlace> JudgePlaces(const std::vector<SurfaceSample>& samples,
+                                     const std::vector<double>& errors,
+                                     const std::vector<IsoPoint>& points, double spacing_m) {
+  constexpr std::size_t kCandidates = 12;
+  std::vector<Eigen::Vector3d> positions;
+  for (const IsoPoint& point : points) positions.push_back(point.position);
+  const PointIndex index(positions);
+  std::vector<JudgedPlace> places;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    JudgedPlace place{0, false, errors[i]};
+    bool is_ignored = false;
+    for (const PointNeighbor& neighbor : index.NearestOf(samples[i].position, kCandidates)) {
+      const IsoPoint& point = points[static_cast<std::size_t>(neighbor.index)];
+      if (neighbor.distance > spacing_m) break;
+      if (point.normal.dot(samples[i].normal) <= 0) continue;
+      is_ignored = point.coverage == CoverageClass::kIgnored;
+      place.score = point.score;
+      place.is_covered = point.coverage == CoverageClass::kCovered;
+      break;
+    }
+    if (!is_ignored) places.push_back(place);
+  }
+  return places;
+}
+
 void LookAround(const ErrorModel& model, std::vector<JudgedPoint>* points) {
   std::vector<Eigen::Vector3d> positions;
   std::vector<CueLogs> logs;
@@ -157,6 +183,7 @@ JudgedFlight Judge(const Site& site, const FlightModels& models, const CoverageO
     if (map.points[i].coverage != CoverageClass::kIgnored) judged.points.push_back(points[i]);
   }
   LookAround(options.error_model, &judged.points);
+  judged.places = JudgePlaces(samples, errors, map.points, judged.spacing_m);
   judged.unrepresented = Unrepresented(samples, map.points, 1.5 * judged.spacing_m);
   return judged;
 }

@@ -30,8 +30,17 @@ struct JudgedPoint {
   CloudAround cloud;
 };
 
+// What the map says of a place of the truth.
+struct JudgedPlace {
+  double score = 0;  // of the nearest iso-point within their spacing that faces the same way; 0
+                     // without one: no place of the map's surface is further from its iso-points
+  bool is_covered = false;  // that iso-point is
+  double error_m = 0;       // of the dense model
+};
+
 struct JudgedFlight {
   std::vector<JudgedPoint> points;  // not ignored
+  std::vector<JudgedPlace> places;  // evenly over the truth, but for where the map ignores it
   double spacing_m = 0;             // of the iso-points
   double unrepresented = 0;         // share of the truth with no iso-point nearer than 1.5 spacings
 

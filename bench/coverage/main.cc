@@ -38,6 +38,9 @@ struct BenchOptions {
 struct Columns {
   std::vector<bool> is_bad, is_flagged, is_flagged_by_paper;
   std::vector<double> doubt, predicted_mm, true_mm, spacing, scanner_doubt, few_views;
+  // Of the places of the truth.
+  std::vector<bool> is_bad_place, is_flagged_place;
+  std::vector<double> doubt_of_place;
 
   void Add(const JudgedFlight& judged, double bad_mm) {
     for (const JudgedPoint& judged_point : judged.points) {
@@ -52,13 +55,18 @@ struct Columns {
       scanner_doubt.push_back(-judged_point.cloud.ScannerConfidence());
       few_views.push_back(-judged_point.cues.num_views);
     }
-  }
-
-  double BadShare() const {
-    return static_cast<double>(std::count(is_bad.begin(), is_bad.end(), true)) /
-           static_cast<double>(std::max<std::size_t>(1, is_bad.size()));
+    for (const JudgedPlace& place : judged.places) {
+      is_bad_place.push_back(1000 * place.error_m > bad_mm);
+      is_flagged_place.push_back(!place.is_covered);
+      doubt_of_place.push_back(1 - place.score);
+    }
   }
 };
+
+double ShareOf(const std::vector<bool>& flags) {
+  return static_cast<double>(std::count(flags.begin(), flags.end(), true)) /
+         static_cast<double>(std::max<std::size_t>(1, flags.size()));
+}
 
 using Goal = std::optional<BenchGoal>;
 
@@ -72,7 +80,7 @@ void ReportColumns(const std::string& name, const Columns& columns, bool has_goa
                    BenchReport* report) {
   const auto goal = [&](double value) { return has_goals ? Goal(AtLeast(value)) : std::nullopt; };
   report->Add(name + ": iso-points judged", static_cast<double>(columns.is_bad.size()), "");
-  report->Add(name + ": share that is bad", columns.BadShare(), "");
+  report->Add(name + ": share that is bad", ShareOf(columns.is_bad), "");
   report->Add(name + ": AUC of uncovered", AreaUnderCurve(columns.doubt, columns.is_bad), "",
               goal(0.9));
   report->Add(name + ": AUC by predicted error alone",
@@ -85,6 +93,18 @@ void ReportColumns(const std::string& name, const Columns& columns, bool has_goa
   ReportFlags(name, MeasureFlags(columns.is_flagged, columns.is_bad), goal(0.8), report);
   report->Add(name + ": rank correlation of predicted and true error",
               RankCorrelation(columns.predicted_mm, columns.true_mm), "", goal(0.7));
+}
+
+// The same asked the other way round: is what the truth has at a place called covered there?
+void ReportPlaces(const std::string& scene, const Columns& columns, BenchReport* report) {
+  const std::string name = scene + ", places of the truth";
+  report->Add(name + ": share that is bad", ShareOf(columns.is_bad_place), "");
+  report->Add(name + ": AUC of not covered",
+              AreaUnderCurve(columns.doubt_of_place, columns.is_bad_place), "");
+  ReportFlags(name, MeasureFlags(columns.is_flagged_place, columns.is_bad_place), std::nullopt,
+              report);
+  ReportFlags(name + ", score at its best", BestFlags(columns.doubt_of_place, columns.is_bad_place),
+              std::nullopt, report);
 }
 
 // The other rules, with the thresholds that suit them best in hindsight; the paper's with its own.
@@ -143,6 +163,7 @@ void RunScene(const std::string& scene, const BenchOptions& options, const JobCo
     flights->push_back(std::move(judged));
   }
   ReportColumns(scene, of_scene, true, report);
+  ReportPlaces(scene, of_scene, report);
   ReportRivals(scene, of_scene, report);
   ReportCalibration(scene, of_scene, report);
   if (options.times) MeasureTimes(scene, site, models, options.coverage, report, job);
@@ -216,6 +237,7 @@ int Run(const std::vector<std::string>& arguments) {
     RunScene(scenes[i], options, job, &everything, &flights[i], &report);
   }
   ReportColumns("all", everything, true, &report);
+  ReportPlaces("all", everything, &report);
   ReportCalibration("all", everything, &report);
   if (options.calibrate) Calibrate(scenes, flights, options, &report);
   PrintAndWrite(report, options.results);

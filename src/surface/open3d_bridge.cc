@@ -12,7 +12,9 @@
 #include <cmath>
 #include <exception>
 #include <iostream>
+#include <new>
 #include <string>
+#include <system_error>
 #include <tuple>
 
 #include "colmap_ext/util/error.h"
@@ -61,6 +63,10 @@ PoissonMesh RunPoisson(const ThinnedCloud& cloud, int depth, double cell_m) {
     mesh = std::get<0>(open3d::geometry::TriangleMesh::CreateFromPointCloudPoisson(
         points, static_cast<std::size_t>(depth), 0.0F, static_cast<float>(scale), kLinearFit,
         kThreads));
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::system_error&) {
+    throw;  // no memory for a thread
   } catch (const std::exception& error) {
     throw Error(std::string("Poisson surface reconstruction failed: ") + error.what());
   }

@@ -2,6 +2,7 @@
 
 #include <iostream>
 #include <new>
+#include <system_error>
 
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/job_control.h"
@@ -18,6 +19,11 @@ int ExitCodeOf(const std::function<int()>& run, const FailureReport& report) {
     report("stopped", error.what());
   } catch (const std::bad_alloc&) {
     report("memory", "not enough memory");
+  } catch (const std::system_error& error) {
+    // What a thread says that cannot be started.
+    const bool is_thread = error.code() == std::errc::resource_unavailable_try_again;
+    report(is_thread ? "memory" : "failed",
+           is_thread ? "not enough memory, or threads, to start a thread" : error.what());
   } catch (const std::exception& error) {
     report("failed", error.what());
   }

@@ -4,6 +4,7 @@
 
 #include <new>
 #include <stdexcept>
+#include <system_error>
 
 #include "colmap_ext/util/error.h"
 
@@ -37,6 +38,15 @@ TEST(ExitCode, OneLineForEveryException) {
   const Outcome memory = OutcomeOf([]() -> int { throw std::bad_alloc(); });
   EXPECT_EQ(memory.code, 1);
   EXPECT_EQ(memory.errors, "tool: not enough memory\n");
+  const Outcome threads = OutcomeOf([]() -> int {
+    throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
+  });
+  EXPECT_EQ(threads.code, 1);
+  EXPECT_EQ(threads.errors, "tool: not enough memory, or threads, to start a thread\n");
+  const Outcome system = OutcomeOf([]() -> int {
+    throw std::system_error(std::make_error_code(std::errc::permission_denied), "/dev/x");
+  });
+  EXPECT_EQ(system.errors, "tool: /dev/x: Permission denied\n");
   EXPECT_EQ(OutcomeOf([]() -> int { throw std::runtime_error("odd"); }).code, 1);
 }
 

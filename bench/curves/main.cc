@@ -4,15 +4,14 @@
 #include <iostream>
 
 #include "colmap_ext/report/summary_json.h"
-#include "colmap_ext/scene/workspace.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
 #include "colmap_ext/util/options.h"
 #include "colmap_ext/util/text.h"
 #include "support/bench_main.h"
-#include "support/bench_program.h"
 #include "support/bench_report.h"
 #include "support/session_curves.h"
+#include "support/simulated_session.h"
 #include "variants.h"
 
 namespace colmap_ext {
@@ -62,36 +61,25 @@ std::vector<Scene> ScenesOf(const BenchOptions& options) {
   return scenes;
 }
 
-// The session, unless it is there. It goes on when all is covered: curves end at equal photos.
+// It goes on when all is covered: curves end at equal photos.
 SessionSummary FlySession(const Scene& scene, const Variant& variant, const std::string& seed,
                           const BenchOptions& options, const JobControl& job) {
-  const fs::path workspace = options.work / scene.name / ("seed_" + seed) / variant.name;
-  const Workspace files(workspace);
-  const bool is_done =
-      fs::exists(files.summary_json()) && !ReadSummary(files.summary_json()).finished.empty();
-  if (!is_done) {
-    std::vector<std::string> arguments{"active_capture",
-                                       "--workspace_path",
-                                       workspace.string(),
-                                       "--Session.vehicle",
-                                       "embedded",
-                                       "--Session.pictures",
-                                       "0",
-                                       "--Session.max_iterations",
-                                       "50",
-                                       "--Session.max_photos",
-                                       std::to_string(options.max_photos),
-                                       "--Session.target_covered_ratio",
-                                       "1",
-                                       "--InitialFlight.num_views",
-                                       std::to_string(options.first_views),
-                                       "--Simulation.seed",
-                                       seed};
-    arguments.insert(arguments.end(), scene.arguments.begin(), scene.arguments.end());
-    arguments.insert(arguments.end(), variant.arguments.begin(), variant.arguments.end());
-    RunColmapExt(arguments, workspace.string() + ".log", job);
-  }
-  return ReadSummary(files.summary_json());
+  std::vector<std::string> arguments{"--Session.pictures",
+                                     "0",
+                                     "--Session.max_iterations",
+                                     "50",
+                                     "--Session.max_photos",
+                                     std::to_string(options.max_photos),
+                                     "--Session.target_covered_ratio",
+                                     "1",
+                                     "--InitialFlight.num_views",
+                                     std::to_string(options.first_views),
+                                     "--Simulation.seed",
+                                     seed};
+  arguments.insert(arguments.end(), scene.arguments.begin(), scene.arguments.end());
+  arguments.insert(arguments.end(), variant.arguments.begin(), variant.arguments.end());
+  return RunSimulatedSession(options.work / scene.name / ("seed_" + seed) / variant.name, arguments,
+                             job);
 }
 
 // The last row of every curve: what each variant came to.

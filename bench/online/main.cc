@@ -11,8 +11,8 @@
 #include "colmap_ext/util/options.h"
 #include "colmap_ext/util/text.h"
 #include "support/bench_main.h"
-#include "support/bench_program.h"
 #include "support/bench_report.h"
+#include "support/simulated_session.h"
 
 namespace colmap_ext {
 namespace {
@@ -45,13 +45,13 @@ struct StageTime {
 // A session whose first flight takes `count` photos, then `iterations` times some more.
 fs::path FlySession(int count, const BenchOptions& options, const JobControl& job) {
   const fs::path workspace = options.work / (options.scene + "_" + std::to_string(count));
-  RunColmapExt(
-      {"active_capture", "--workspace_path", workspace.string(), "--scene", options.scene,
-       "--Session.vehicle", "embedded", "--Session.pictures", "0", "--Session.max_iterations",
-       std::to_string(1 + options.iterations), "--Session.target_covered_ratio", "1",
-       "--InitialFlight.num_views", std::to_string(count), "--NextBestView.num_views",
-       std::to_string(options.new_photos)},
-      workspace.string() + ".log", job);
+  RunSimulatedSession(
+      workspace,
+      {"--scene", options.scene, "--Session.pictures", "0", "--Session.max_iterations",
+       std::to_string(1 + options.iterations), "--Session.max_photos", "100000",
+       "--Session.target_covered_ratio", "1", "--InitialFlight.num_views", std::to_string(count),
+       "--NextBestView.num_views", std::to_string(options.new_photos)},
+      job);
   return workspace;
 }
 

@@ -1,10 +1,8 @@
 #include "plans.h"
 
 #include "colmap_ext/mission/flight_patterns.h"
-#include "colmap_ext/report/summary_json.h"
 #include "colmap_ext/scene/true_poses.h"
-#include "colmap_ext/scene/workspace.h"
-#include "support/bench_program.h"
+#include "support/simulated_session.h"
 
 namespace colmap_ext {
 
@@ -38,20 +36,15 @@ FlownPlan TrimmedTo(const FlownPlan& plan, double metres) {
 
 FlownPlan ActivePlan(const Site& site, const ActiveSession& session,
                      const std::filesystem::path& workspace, const JobControl& job) {
-  const Workspace files(workspace);
-  const bool is_done = std::filesystem::exists(files.summary_json()) &&
-                       !ReadSummary(files.summary_json()).finished.empty();
-  if (!is_done) {
-    RunColmapExt({"active_capture", "--workspace_path", workspace.string(), "--scene", site.name,
-                  "--preset", site.is_indoor() ? "indoor" : "outdoor", "--Session.vehicle",
-                  "embedded", "--Session.max_photos", std::to_string(session.max_photos),
-                  "--Session.max_iterations", "50", "--InitialFlight.num_views",
-                  std::to_string(session.first_views), "--NextBestView.strategy", session.strategy,
-                  "--Simulation.seed", std::to_string(session.seed)},
-                 workspace.string() + ".log", job);
-  }
+  RunSimulatedSession(
+      workspace,
+      {"--scene", site.name, "--preset", site.is_indoor() ? "indoor" : "outdoor",
+       "--Session.max_photos", std::to_string(session.max_photos), "--Session.max_iterations", "50",
+       "--InitialFlight.num_views", std::to_string(session.first_views), "--NextBestView.strategy",
+       session.strategy, "--Simulation.seed", std::to_string(session.seed)},
+      job);
   FlownPlan plan{session.strategy, {}};
-  for (const TruePose& pose : ReadTruePoses(files.root() / "truth" / "poses.txt")) {
+  for (const TruePose& pose : ReadTruePoses(workspace / "truth" / "poses.txt")) {
     plan.views.push_back({.id = static_cast<int>(plan.views.size()),
                           .position = CameraCenter(pose.cam_from_world),
                           .direction = ViewDirectionOf(pose.cam_from_world)});

@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 goal="${1:-85}"
 modules=(util mavlink geom scene fuzz sfm mvs surface coverage nbv path mission flight sim dense eval
   report session)
-cmake -S . -B build/coverage -G Ninja -DCMAKE_BUILD_TYPE=Coverage -DCMAKE_CXX_FLAGS="-O1 --coverage" \
+cmake -S . -B build/coverage -G Ninja -DCMAKE_BUILD_TYPE=Coverage -DCMAKE_CXX_FLAGS="-O1 --coverage -fprofile-update=atomic" \
   -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=8 >/dev/null
 cmake --build build/coverage --target "${modules[@]/#/test_}"
 find build/coverage -name '*.gcda' -delete

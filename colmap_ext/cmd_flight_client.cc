@@ -36,28 +36,29 @@ FlightClient Connect(const ClientInputs& inputs) {
 }
 
 void PrintStatus(const Json& status) {
-  const Json& vehicle = status["vehicle"];
-  std::cout << status["state"].get<std::string>();
-  if (const auto reason = status["reason"].get<std::string>(); !reason.empty()) {
+  const Json& vehicle = status.at("vehicle");
+  std::cout << status.at("state").get<std::string>();
+  if (const auto reason = status.at("reason").get<std::string>(); !reason.empty()) {
     std::cout << ": " << reason;
   }
-  std::cout << "\nvehicle: " << vehicle["description"].get<std::string>() << ", "
-            << vehicle["mode"].get<std::string>()
-            << (vehicle["armed"].get<bool>() ? ", armed" : ", disarmed");
+  std::cout << "\nvehicle: " << vehicle.at("description").get<std::string>() << ", "
+            << vehicle.at("mode").get<std::string>()
+            << (vehicle.at("armed").get<bool>() ? ", armed" : ", disarmed");
   if (vehicle.contains("relative_height_m")) {
-    std::cout << ", " << vehicle["relative_height_m"] << " m above home";
+    std::cout << ", " << vehicle.at("relative_height_m") << " m above home";
   }
   if (vehicle.contains("battery_percent")) {
-    std::cout << ", battery " << vehicle["battery_percent"] << " %";
+    std::cout << ", battery " << vehicle.at("battery_percent") << " %";
   }
   std::map<std::string, int> counts;
-  for (const Json& view : status["views"]) ++counts[view["status"].get<std::string>()];
+  for (const Json& view : status.at("views")) ++counts[view.at("status").get<std::string>()];
   std::cout << "\nviews:";
   for (const auto& [name, count] : counts) std::cout << ' ' << count << ' ' << name;
   std::cout << '\n';
-  for (const Json& item : status["preflight"]) {
-    std::cout << (item["good"].get<bool>() ? "  good  " : "  BAD   ")
-              << item["name"].get<std::string>() << ": " << item["text"].get<std::string>() << '\n';
+  for (const Json& item : status.at("preflight")) {
+    std::cout << (item.at("good").get<bool>() ? "  good  " : "  BAD   ")
+              << item.at("name").get<std::string>() << ": " << item.at("text").get<std::string>()
+              << '\n';
   }
 }
 

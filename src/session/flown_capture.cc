@@ -32,8 +32,8 @@ constexpr int kStartsWithoutPhoto = 3;
 
 void Sleep() { std::this_thread::sleep_for(std::chrono::duration<double>(kPollS)); }
 
-std::string StateOf(const Json& status) { return status["state"].get<std::string>(); }
-std::string ReasonOf(const Json& status) { return status["reason"].get<std::string>(); }
+std::string StateOf(const Json& status) { return status.at("state").get<std::string>(); }
+std::string ReasonOf(const Json& status) { return status.at("reason").get<std::string>(); }
 
 bool IsOneOf(const std::string& state, std::initializer_list<const char*> states) {
   return std::any_of(states.begin(), states.end(), [&](const char* each) { return state == each; });
@@ -49,8 +49,8 @@ bool NeedsPerson(const std::string& state) {
 
 int CountViews(const Json& status, std::initializer_list<const char*> of_status) {
   int count = 0;
-  for (const Json& view : status["views"]) {
-    count += IsOneOf(view["status"].get<std::string>(), of_status) ? 1 : 0;
+  for (const Json& view : status.at("views")) {
+    count += IsOneOf(view.at("status").get<std::string>(), of_status) ? 1 : 0;
   }
   return count;
 }
@@ -58,7 +58,7 @@ int CountViews(const Json& status, std::initializer_list<const char*> of_status)
 bool HasPendingView(const Json& status) { return CountViews(status, {"pending", "asked"}) > 0; }
 
 bool HasPictureOnItsWay(const Json& status) {
-  return CountViews(status, {"captured"}) > 0 && status["fetching"].get<int>() > 0;
+  return CountViews(status, {"captured"}) > 0 && status.at("fetching").get<int>() > 0;
 }
 
 }  // namespace
@@ -118,7 +118,7 @@ void FlownCapture::StartDrone(const JobControl& job) {
       workspace_.logs() / "drone.log");
   const Json ready = Json::parse(drone_->WaitForLine("{", kDroneReadyS, job), nullptr, false);
   if (!ready.is_object() || !ready.contains("http_port")) drone_->FailWithLastLine();
-  drone_port_ = ready["http_port"].get<int>();
+  drone_port_ = ready.at("http_port").get<int>();
 }
 
 void FlownCapture::StartDaemon(const JobControl& job) {
@@ -177,8 +177,8 @@ Json FlownCapture::WaitForVehicle(const JobControl& job) {
       "the vehicle and its home position",
       [this](const Json& status) {
         return !IsOneOf(StateOf(status), {"DISCONNECTED", "CONNECTED"}) &&
-               status["vehicle"].contains("home") &&
-               status["vehicle"].value("estimate_good", !is_simulated_);
+               status.at("vehicle").contains("home") &&
+               status.at("vehicle").value("estimate_good", !is_simulated_);
       },
       kVehicleReadyS, job);
 }
@@ -212,7 +212,7 @@ void FlownCapture::Begin(FlightMission mission, const Json& status) {
     return;
   }
   Json changes = MissionToJson(mission);
-  changes["revision"] = status["revision"].get<int>() + 1;
+  changes["revision"] = status.at("revision").get<int>() + 1;
   client_->Append(changes);
 }
 
@@ -221,9 +221,9 @@ void FlownCapture::AskPerson(const Json& status) const {
   if (is_simulated_ || inputs_.yes) return;
   FlightMission left = mission_;
   std::set<int> done;
-  for (const Json& view : status["views"]) {
-    if (!IsOneOf(view["status"].get<std::string>(), {"pending", "asked"})) {
-      done.insert(view["view_id"].get<int>());
+  for (const Json& view : status.at("views")) {
+    if (!IsOneOf(view.at("status").get<std::string>(), {"pending", "asked"})) {
+      done.insert(view.at("view_id").get<int>());
     }
   }
   for (FlightStop& stop : left.stops) {
@@ -259,10 +259,10 @@ void FlownCapture::Fly(const FlightTask& task, const std::function<void(int)>& w
   }
   if (missing == 0) return;
   FlightSite site = task.site;
-  const Json& home = status["vehicle"]["home"];
+  const Json& home = status.at("vehicle").at("home");
   site.home = EnuFromGeo(*site.frame.origin,
-                         {home["lat"].get<double>(), home["lon"].get<double>(),
-                          home["amsl_m"].get<double>() + options_.flight_plan.undulation_m});
+                         {home.at("lat").get<double>(), home.at("lon").get<double>(),
+                          home.at("amsl_m").get<double>() + options_.flight_plan.undulation_m});
   Begin(PlanFlightMission(path, site, PhotoName, options_.flight_plan), status);
   photos_at_start_ = CountViews(Status(), {"stored"});
   starts_without_photo_ = 0;
@@ -274,7 +274,7 @@ void FlownCapture::Fly(const FlightTask& task, const std::function<void(int)>& w
     const int stored = CountViews(status, {"stored"});
     if (stored != last_stored) TakePoses(status);
     last_stored = stored;
-    job.Progress("photos", static_cast<std::size_t>(stored), status["views"].size());
+    job.Progress("photos", static_cast<std::size_t>(stored), status.at("views").size());
     while_flying(stored);
     Sleep();
   } while (Follow(status, job));
@@ -353,10 +353,10 @@ void FlownCapture::Finish(const JobControl& job) {
 }
 
 void FlownCapture::WarnOfMissingPhotos(const Json& status, const JobControl& job) const {
-  for (const Json& view : status["views"]) {
-    const std::string view_status = view["status"].get<std::string>();
+  for (const Json& view : status.at("views")) {
+    const std::string view_status = view.at("status").get<std::string>();
     if (view_status == "stored") continue;
-    const std::string photo = view["photo"].get<std::string>();
+    const std::string photo = view.at("photo").get<std::string>();
     if (fs::exists(workspace_.images() / photo)) continue;
     job.Warn(photo + " was not taken: " + view.value("reason", "its file did not arrive"));
   }
@@ -366,9 +366,9 @@ void FlownCapture::WarnOfMissingPhotos(const Json& status, const JobControl& job
 void FlownCapture::TakePoses(const Json& status) const {
   if (!is_simulated_) return;
   std::map<std::string, int> index_of_photo;
-  for (const Json& view : status["views"]) {
+  for (const Json& view : status.at("views")) {
     const int index = view.value("index", -1);
-    if (index >= 0) index_of_photo[view["photo"].get<std::string>()] = index;
+    if (index >= 0) index_of_photo[view.at("photo").get<std::string>()] = index;
   }
   TakeTruePoses(index_of_photo, workspace_);
 }

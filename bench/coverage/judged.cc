@@ -86,14 +86,12 @@ double TrueError(const PointIndex& index, const std::vector<SurfaceSample>& samp
   return MedianOf(&around);
 }
 
-double Unrepresented(const std::vector<SurfaceSample>& samples, const std::vector<IsoPoint>& points,
+// `iso_points`: an index of the map's.
+double Unrepresented(const std::vector<SurfaceSample>& samples, const PointIndex& iso_points,
                      double reach_m) {
-  std::vector<Eigen::Vector3d> positions;
-  for (const IsoPoint& point : points) positions.push_back(point.position);
-  const PointIndex index(positions);
   double count = 0;
   for (const SurfaceSample& sample : samples) {
-    count += !index.Nearest(sample.position, reach_m);
+    count += !iso_points.Nearest(sample.position, reach_m);
   }
   return count / static_cast<double>(samples.size());
 }
@@ -101,16 +99,14 @@ double Unrepresented(const std::vector<SurfaceSample>& samples, const std::vecto
 // Of the samples of the truth, by what the map has there.
 std::vector<JudgedPlace> JudgePlaces(const std::vector<SurfaceSample>& samples,
                                      const std::vector<double>& errors,
-                                     const std::vector<IsoPoint>& points, double spacing_m) {
+                                     const std::vector<IsoPoint>& points,
+                                     const PointIndex& iso_points, double spacing_m) {
   constexpr std::size_t kCandidates = 12;
-  std::vector<Eigen::Vector3d> positions;
-  for (const IsoPoint& point : points) positions.push_back(point.position);
-  const PointIndex index(positions);
   std::vector<JudgedPlace> places;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     JudgedPlace place{0, false, errors[i]};
     bool is_ignored = false;
-    for (const PointNeighbor& neighbor : index.NearestOf(samples[i].position, kCandidates)) {
+    for (const PointNeighbor& neighbor : iso_points.NearestOf(samples[i].position, kCandidates)) {
       const IsoPoint& point = points[static_cast<std::size_t>(neighbor.index)];
       if (neighbor.distance > spacing_m) break;
       if (point.normal.dot(samples[i].normal) <= 0) continue;
@@ -183,8 +179,11 @@ JudgedFlight Judge(const Site& site, const FlightModels& models, const CoverageO
     if (map.points[i].coverage != CoverageClass::kIgnored) judged.points.push_back(points[i]);
   }
   LookAround(options.error_model, &judged.points);
-  judged.places = JudgePlaces(samples, errors, map.points, judged.spacing_m);
-  judged.unrepresented = Unrepresented(samples, map.points, 1.5 * judged.spacing_m);
+  std::vector<Eigen::Vector3d> iso_positions;
+  for (const IsoPoint& point : map.points) iso_positions.push_back(point.position);
+  const PointIndex iso_points(iso_positions);
+  judged.places = JudgePlaces(samples, errors, map.points, iso_points, judged.spacing_m);
+  judged.unrepresented = Unrepresented(samples, iso_points, 1.5 * judged.spacing_m);
   return judged;
 }
 

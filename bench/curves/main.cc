@@ -85,19 +85,10 @@ SessionSummary FlySession(const Scene& scene, const Variant& variant, const std:
 // The last row of every curve: what each variant came to.
 std::string EndTable(const std::string& title,
                      const std::vector<std::pair<Variant, SessionSummary>>& sessions) {
-  std::string text = "### " + title +
-                     ": in the end\n\n| session | | photos | registered | covered | mean error, mm "
-                     "| within 1 inch | within 2 inch |\n|---|---|---|---|---|---|---|---|\n";
+  std::string text = "### " + title + ": in the end\n\n" +
+                     CurveHeader("session", sessions.front().second.iterations.back());
   for (const auto& [variant, summary] : sessions) {
-    const IterationSummary& last = summary.iterations.back();
-    text += "| " + variant.name + " | " + variant.what + " | " + std::to_string(last.photos) +
-            " | " + std::to_string(last.registered) + " | " +
-            FormatNumber("%.1f %%", 100 * last.covered_ratio.value_or(0)) + " | " +
-            FormatNumber("%.1f", 1000 * last.mean_error_m.value_or(0));
-    for (const CompletenessValue& value : last.completeness) {
-      text += " | " + FormatNumber("%.1f %%", 100 * value.share);
-    }
-    text += " |\n";
+    text += CurveRow(variant.name + ": " + variant.what, summary.iterations.back());
   }
   return text + "\n";
 }

@@ -129,7 +129,7 @@ void RunSeed(const Ground& ground, bool is_first_seed, const BenchOptions& optio
   int active_photos = 0;
   double active_metres = 0;
   for (const std::string& strategy : SplitAtCommas(options.strategies)) {
-    const ActiveSession session{strategy, options.Share(64), options.Share(108),
+    const ActiveSession session{strategy, options.Share(64), options.Share(108), options.Share(12),
                                 ground.options.scene_seed};
     const fs::path workspace = ground.folder / ("session_" + strategy);
     const FlownPlan plan = ActivePlan(ground.site, session, workspace, job);

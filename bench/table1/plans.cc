@@ -40,8 +40,9 @@ FlownPlan ActivePlan(const Site& site, const ActiveSession& session,
       workspace,
       {"--scene", site.name, "--preset", site.is_indoor() ? "indoor" : "outdoor",
        "--Session.max_photos", std::to_string(session.max_photos), "--Session.max_iterations", "50",
-       "--InitialFlight.num_views", std::to_string(session.first_views), "--NextBestView.strategy",
-       session.strategy, "--Simulation.seed", std::to_string(session.seed)},
+       "--InitialFlight.num_views", std::to_string(session.first_views), "--NextBestView.num_views",
+       std::to_string(session.flight_views), "--NextBestView.strategy", session.strategy,
+       "--Simulation.seed", std::to_string(session.seed)},
       job);
   FlownPlan plan{session.strategy, {}};
   for (const TruePose& pose : ReadTruePoses(workspace / "truth" / "poses.txt")) {

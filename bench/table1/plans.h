@@ -27,8 +27,9 @@ FlownPlan TrimmedTo(const FlownPlan& plan, double metres);
 
 struct ActiveSession {
   std::string strategy = "plane_sweep";
-  int first_views = 64;  // of the first flight
-  int max_photos = 108;  // the paper's count
+  int first_views = 64;   // of the first flight
+  int max_photos = 108;   // the paper's count
+  int flight_views = 12;  // of each later flight
   std::uint64_t seed = 1;
 };
 

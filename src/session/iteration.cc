@@ -167,19 +167,32 @@ void RunCoverage(const IterationContext& context, const SessionState& state, Wor
   WriteCoverageSummary(work->coverage, ThresholdsOf(options), work->files.coverage_json());
 }
 
+// Registered or not.
+int NumPhotos(const SparseUpdateResult& sparse) {
+  return static_cast<int>(sparse.registered.size() + sparse.unregistered.size());
+}
+
 // Where the vehicle is: at the last photo that was taken.
 Eigen::Vector3d VehiclePosition(const PhotoSet& photos) {
   return CameraCenter(photos.photos.back().cam_from_world);
 }
 
-// Options that views share with coverage and path.
-NextBestViewOptions ForPlanning(const NextBestViewOptions& options, const CoverageOptions& coverage,
-                                const PathOptions& path) {
-  NextBestViewOptions nbv = options;
-  nbv.visibility = coverage.visibility;
-  nbv.speed_m_s = path.speed_m_s;
-  nbv.yaw_rate_deg_s = path.yaw_rate_deg_s;
-  nbv.hover_s = path.hover_s;
+// The last flight takes what is left of Session.max_photos. With nothing left a whole flight is
+// planned, for whoever goes on with a higher limit.
+int ViewsOfNextFlight(const StageOptions& options, int photos) {
+  const int left = options.session.max_photos - photos;
+  return left > 0 ? std::min(options.nbv.num_views, left) : options.nbv.num_views;
+}
+
+// Options that views share with session, coverage and path.
+NextBestViewOptions ForPlanning(const IterationContext& context, int photos) {
+  const StageOptions& options = *context.options;
+  NextBestViewOptions nbv = options.nbv;
+  if (context.limits_flight) nbv.num_views = ViewsOfNextFlight(options, photos);
+  nbv.visibility = options.coverage.visibility;
+  nbv.speed_m_s = options.path.speed_m_s;
+  nbv.yaw_rate_deg_s = options.path.yaw_rate_deg_s;
+  nbv.hover_s = options.path.hover_s;
   return nbv;
 }
 
@@ -194,7 +207,7 @@ void RunPlanning(const IterationContext& context, const SessionState& state, Wor
   Timed("nbv", work, job, [&] {
     space = std::make_shared<const FreeSpace>(
         KnownSpace(work->surface, work->photos.photos, start, path_options));
-    const NextBestViewOptions nbv = ForPlanning(options.nbv, options.coverage, options.path);
+    const NextBestViewOptions nbv = ForPlanning(context, NumPhotos(work->sparse));
     ViewPlanInput input{work->coverage, work->surface.mesh, work->photos.photos};
     input.camera = work->photos.photos.front().camera;
     input.first_id = state.next_view_id;
@@ -268,7 +281,7 @@ double ReachableCoveredRatio(const Work& work) {
 IterationSummary Summarize(const Work& work) {
   IterationSummary summary;
   summary.registered = static_cast<int>(work.sparse.registered.size());
-  summary.photos = summary.registered + static_cast<int>(work.sparse.unregistered.size());
+  summary.photos = NumPhotos(work.sparse);
   summary.unregistered = work.sparse.unregistered;
   summary.covered_ratio = work.coverage.CoveredRatio();
   return summary;

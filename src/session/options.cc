@@ -41,7 +41,7 @@ void BindOptions(OptionSet& set, StageOptions* options) {
   set.Add("Session", "max_iterations", &session.max_iterations,
           "stop after so many iterations, the first flight included [>= 1]");
   set.Add("Session", "max_photos", &session.max_photos,
-          "stop before a flight that would make more photos [>= 3]");
+          "at most so many photos: the last flight is cut to what is left [>= 3]");
   set.Add("Session", "target_covered_ratio", &session.target_covered_ratio,
           "end as covered when this part of what can be reached is covered [0 … 1]");
   set.Add("Session", "max_image_size_px", &session.max_image_size_px,

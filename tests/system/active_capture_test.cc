@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -59,15 +60,21 @@ class SimulatedCapture : public ProgramTest {
   }
 };
 
-TEST_F(SimulatedCapture, SubmodularViewsCoverAndRegister) {
+TEST_F(SimulatedCapture, SubmodularViewsCoverAndRegisterWithTheLastFlightCutToWhatIsLeft) {
   std::vector<std::string> arguments = Arguments(folder_ / "w");
-  arguments.insert(arguments.end(), {"--NextBestView.strategy", "submodular"});
+  arguments.insert(arguments.end(),
+                   {"--NextBestView.strategy", "submodular", "--NextBestView.num_views", "6",
+                    "--Session.max_photos", "32"});
+  *std::next(std::ranges::find(arguments, "--Session.max_iterations")) = "5";
   const ChildProcessResult result = Run(arguments);
   ASSERT_EQ(result.exit_code, 0) << result.output;
   const json summary = ReadJson(folder_ / "w" / "summary.json");
   ASSERT_EQ(summary["iterations"].size(), 2U);
   const json& second = summary["iterations"][1];
-  EXPECT_GT(second["photos"], 30);
+  EXPECT_EQ(second["photos"], 32) << "28 and four of six";
+  EXPECT_EQ(summary["finished"], "view_limit");
+  EXPECT_EQ(summary["iterations"][0]["planned_views"], 4);
+  EXPECT_EQ(second["planned_views"], 6) << "for whoever goes on with a higher limit";
   EXPECT_EQ(second["registered"], second["photos"]);
   EXPECT_GT(second["covered_ratio"], summary["iterations"][0]["covered_ratio"]);
 }

@@ -27,7 +27,7 @@ namespace colmap_ext {
 
 struct SessionOptions {
   int max_iterations = 20;  // stop after so many iterations, the first flight included, >= 1
-  int max_photos = 200;     // stop before a flight that would make more photos, >= 3
+  int max_photos = 200;     // at most so many: the last flight is cut to what is left, >= 3
   // The session ends as covered when this part of the iso-points that a view could see well is
   // covered, (0, 1]. The last points take most photos.
   double target_covered_ratio = 0.98;

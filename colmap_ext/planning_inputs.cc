@@ -36,7 +36,7 @@ Surface ConfidentSurface(const PlanningInputs& inputs, const std::filesystem::pa
                " has no sample_spacing_m: all of it counts as seen with confidence");
     }
   }
-  return {inputs.surface, {}, {}, {}};
+  return {inputs.surface};
 }
 
 }  // namespace colmap_ext

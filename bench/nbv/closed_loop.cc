@@ -92,7 +92,7 @@ LoopResult RunGeometryLoop(const TrueSite& site, const std::string& strategy,
     input.first_id = static_cast<int>(photos.size());
     input.start = CameraCenter(photos.back().cam_from_world);
     const auto space = std::make_shared<const FreeSpace>(
-        KnownSpace({site.mesh(), {}, {}, {}}, photos, *input.start, path_options));
+        KnownSpace({site.mesh()}, photos, *input.start, path_options));
     input.may_fly = FlyablePositions(space, path_options);
     const StageTimer timer;
     if (ask_reach) input.may_reach = ReachablePositions(space, *input.start, path_options);

@@ -91,7 +91,7 @@ void AddSpaceCost(const std::string& name, const Situation& situation, const Pat
   double best_s = std::numeric_limits<double>::infinity();
   for (int i = 0; i < repetitions; ++i) {
     const StageTimer timer;
-    KnownSpace({situation.surface, {}, {}, {}}, photos, start, options);
+    KnownSpace({situation.surface}, photos, start, options);
     best_s = std::min(best_s, timer.Stop().cpu_s);
   }
   report->Add(name + ": known space of " + std::to_string(photos.size()) + " photos", best_s,

@@ -298,8 +298,7 @@ std::function<bool(const Eigen::Vector3d&)> FlyablePositions(const TriangleMesh&
                                                              const Eigen::Vector3d& start,
                                                              const PathOptions& options) {
   return FlyablePositions(
-      std::make_shared<const FreeSpace>(KnownSpace({surface, {}, {}, {}}, photos, start, options)),
-      options);
+      std::make_shared<const FreeSpace>(KnownSpace({surface}, photos, start, options)), options);
 }
 
 FlightPath PlanPath(const Eigen::Vector3d& start, const std::vector<PlannedView>& views,

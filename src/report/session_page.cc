@@ -9,6 +9,7 @@
 #include "colmap_ext/report/report_page.h"
 #include "colmap_ext/report/summary_json.h"
 #include "colmap_ext/scene/json_file.h"
+#include "colmap_ext/util/child_process.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
 #include "report/html_text.h"
@@ -190,10 +191,9 @@ std::optional<fs::path> FindPageAssets(const fs::path& assets_path) {
     throw Error(assets_path.string() +
                 ": no page.html, page.js and page.css here (--Page.assets_path)");
   }
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (error) return std::nullopt;
-  const fs::path beside = program.parent_path().parent_path();
+  const fs::path program_folder = FolderOfThisProgram();
+  if (program_folder.empty()) return std::nullopt;
+  const fs::path beside = program_folder.parent_path();
   for (const fs::path& folder : {beside / "share" / "colmap_ext" / "web", beside / "web"}) {
     if (HasAssets(folder)) return folder;
   }

@@ -66,11 +66,8 @@ std::string ChildProgram::WaitForLine(const std::string& beginning, double timeo
 }
 
 std::filesystem::path FindSibling(const std::string& name) {
-  std::error_code error;
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
-  if (!error && std::filesystem::exists(self.parent_path() / name)) {
-    return self.parent_path() / name;
-  }
+  const std::filesystem::path folder = FolderOfThisProgram();
+  if (!folder.empty() && std::filesystem::exists(folder / name)) return folder / name;
   const std::filesystem::path found = FindProgram(name);
   if (found.empty()) throw Error(name + ": no such program beside this one or on the PATH");
   return found;

@@ -132,6 +132,12 @@ fs::path FindProgram(const std::string& program) {
   return {};
 }
 
+fs::path FolderOfThisProgram() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  return error ? fs::path() : program.parent_path();
+}
+
 ChildProcessResult RunChildProcess(const ChildProcessOptions& options, const JobControl& job) {
   if (options.arguments.empty()) throw Error("no program to run was given");
   const fs::path program = FindProgram(options.arguments[0]);

@@ -52,7 +52,7 @@ inline TriangleMesh MeshOf(const std::vector<Eigen::AlignedBox3d>& boxes) {
 }
 
 inline Surface SurfaceOf(const std::vector<Eigen::AlignedBox3d>& boxes) {
-  return {MeshOf(boxes), {}, {}, {}};
+  return {MeshOf(boxes)};
 }
 
 // Distance to the nearest box; 0 inside.

@@ -36,4 +36,7 @@ ChildProcessResult RunChildProcess(const ChildProcessOptions& options, const Job
 // Full path of `program` (a name on the PATH, or a path); empty when there is no such program.
 std::filesystem::path FindProgram(const std::string& program);
 
+// The folder that the running program lies in; empty where the system does not tell.
+std::filesystem::path FolderOfThisProgram();
+
 }  // namespace colmap_ext

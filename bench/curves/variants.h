@@ -12,7 +12,7 @@ struct Variant {
   std::vector<std::string> arguments;  // of active_capture, beside those of every session
 };
 
-// The usual session comes first, as "plane_sweep"; then the other planners, the ablations of the
+// The usual session comes first, as "submodular"; then the other planners, the ablations of the
 // fast stereo and of the coverage rule, GPS noise and photo widths.
 const std::vector<Variant>& AllVariants();
 

@@ -44,7 +44,7 @@ struct BenchOptions {
   fs::path work = "bench_table1_work";
   fs::path results = "bench/results";
   std::string scenes = "church";
-  std::string strategies = "plane_sweep,submodular";
+  std::string strategies = "submodular,plane_sweep";
   std::string plans = "grid-downward,grid-multi-angle,2-circles,rectangle-sparse,rectangle-dense";
   std::string seeds = "1,2,3";
   int width = 1920;
@@ -204,7 +204,7 @@ void ApplyQuick(const OptionSet& set, BenchOptions* options) {
   if (!set.IsSet("width")) options->width = 640;
   if (!set.IsSet("texel_scale")) options->texel_scale = 2;
   if (!set.IsSet("equal_terms")) options->equal_terms = false;
-  if (!set.IsSet("strategies")) options->strategies = "plane_sweep";
+  if (!set.IsSet("strategies")) options->strategies = "submodular,plane_sweep";
   if (!set.IsSet("plans"))
     options->plans = "grid-downward,2-circles,rectangle-sparse,rectangle-dense";
 }

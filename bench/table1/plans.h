@@ -26,7 +26,7 @@ FlownPlan ManualPlan(const Site& site, const std::string& pattern, int num_views
 FlownPlan TrimmedTo(const FlownPlan& plan, double metres);
 
 struct ActiveSession {
-  std::string strategy = "plane_sweep";
+  std::string strategy = "submodular";
   int first_views = 64;   // of the first flight
   int max_photos = 108;   // the paper's count
   int flight_views = 12;  // of each later flight

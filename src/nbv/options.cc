@@ -152,13 +152,16 @@ void BindPool(OptionSet& set, const std::string& s, NextBestViewOptions* o) {
 
 std::string NextBestViewOptions::Check() const {
   static constexpr std::array<const char*, 6> kStrategies = {
-      "plane_sweep", "submodular", "random", "next_farthest_point", "hemisphere", "smith2018"};
+      "submodular", "plane_sweep", "random", "next_farthest_point", "hemisphere", "smith2018"};
   if (std::find(kStrategies.begin(), kStrategies.end(), strategy) == kStrategies.end()) {
-    return "NextBestView.strategy must be plane_sweep, submodular, random, next_farthest_point, "
+    return "NextBestView.strategy must be submodular, plane_sweep, random, next_farthest_point, "
            "hemisphere or smith2018";
   }
   if (objective != "stereo" && objective != "predicted_error") {
     return "NextBestView.objective must be stereo or predicted_error";
+  }
+  if (paper_only && strategy != "plane_sweep") {
+    return "NextBestView.paper_only goes with --NextBestView.strategy plane_sweep";
   }
   if (coarse_step < 1 || coarse_step > 8) return "NextBestView.coarse_step must be in 1 … 8";
   if (num_views < 1 || num_views > 1000) return "NextBestView.num_views must be in 1 … 1000";
@@ -176,7 +179,7 @@ std::string NextBestViewOptions::Check() const {
 void BindOptions(OptionSet& set, NextBestViewOptions* o) {
   const std::string s = "NextBestView";
   set.Add(s, "strategy", &o->strategy,
-          "plane_sweep or submodular; to compare with: random, next_farthest_point, hemisphere, "
+          "submodular or plane_sweep; to compare with: random, next_farthest_point, hemisphere, "
           "smith2018");
   BindShared(set, s, o);
   BindPool(set, s, o);

@@ -13,6 +13,7 @@ namespace {
 // The paper's number of views.
 NextBestViewOptions PaperOptions() {
   NextBestViewOptions options;
+  options.strategy = "plane_sweep";
   options.num_views = 5;
   return options;
 }
@@ -326,6 +327,14 @@ TEST(NextBestViewOptions, BindsEachFieldOnce) {
   set.Parse({"--NextBestView.num_views", "9", "--NextBestView.safe_distance_m", "0.5"});
   EXPECT_EQ(options.num_views, 9);
   EXPECT_EQ(options.safe_distance_m, 0.5);
+  EXPECT_EQ(options.Check(), "");
+}
+
+TEST(NextBestViewOptions, ThePapersSearchIsNotAskedOfAnotherStrategy) {
+  NextBestViewOptions options;
+  options.paper_only = true;
+  EXPECT_NE(options.Check().find("plane_sweep"), std::string::npos);
+  options.strategy = "plane_sweep";
   EXPECT_EQ(options.Check(), "");
 }
 

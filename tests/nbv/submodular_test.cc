@@ -61,7 +61,9 @@ TEST(Submodular, CoversWhatItPromisesInOnePlan) {
 }
 
 TEST(Submodular, NeedsFewerPhotosThanTheSweep) {
-  const std::size_t sweep = PhotosToCover(0.95, NextBestViewOptions());
+  NextBestViewOptions plane_sweep;
+  plane_sweep.strategy = "plane_sweep";
+  const std::size_t sweep = PhotosToCover(0.95, plane_sweep);
   const std::size_t submodular = PhotosToCover(0.95, Submodular());
   RecordProperty("plane_sweep", static_cast<int>(sweep));
   RecordProperty("submodular", static_cast<int>(submodular));

@@ -108,7 +108,7 @@ TEST_F(Manual, TheTableOfOptionsAsJson) {
     found = true;
     EXPECT_EQ(option["section"], "NextBestView");
     EXPECT_EQ(option["type"], "text");
-    EXPECT_EQ(option["default"], "plane_sweep");
+    EXPECT_EQ(option["default"], "submodular");
   }
   EXPECT_TRUE(found);
   ExpectFailure(Run({"view_planner", "--help_format", "html"}), 2, {"html", "completion"});

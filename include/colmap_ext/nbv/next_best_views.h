@@ -23,9 +23,9 @@ namespace colmap_ext {
 // Constants of the paper (Sec. "NBV Planning and Flight Path Planning") unless the comment says
 // "ours".
 struct NextBestViewOptions {
-  // "plane_sweep": the paper's search. Ours: "submodular". For comparison: "random",
+  // Ours: "submodular". "plane_sweep": the paper's search. For comparison: "random",
   // "next_farthest_point", "hemisphere", "smith2018".
-  std::string strategy = "plane_sweep";
+  std::string strategy = "submodular";
 
   // --- All strategies ---
   // Views of one plan, 1 … 1000. The paper takes 5 a plane, but flew about 11 an iteration (44

@@ -51,9 +51,7 @@ inline TriangleMesh MeshOf(const std::vector<Eigen::AlignedBox3d>& boxes) {
   return mesh;
 }
 
-inline Surface SurfaceOf(const std::vector<Eigen::AlignedBox3d>& boxes) {
-  return {MeshOf(boxes)};
-}
+inline Surface SurfaceOf(const std::vector<Eigen::AlignedBox3d>& boxes) { return {MeshOf(boxes)}; }
 
 // Distance to the nearest box; 0 inside.
 inline double DistanceToBoxes(const std::vector<Eigen::AlignedBox3d>& boxes,

@@ -36,8 +36,7 @@ struct Kind {
 const std::vector<Kind>& Kinds() {
   static const std::vector<Kind> kinds{
       {"planners",
-       {Planner("submodular", "the usual session"),
-        Planner("plane_sweep", "the paper's planner"),
+       {Planner("submodular", "the usual session"), Planner("plane_sweep", "the paper's planner"),
         Planner("smith2018", "offline planner after Smith et al. 2018"),
         Planner("next_farthest_point", "looks at the uncovered point furthest from all views"),
         Planner("random", "random views that can be reached"),

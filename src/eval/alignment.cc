@@ -21,13 +21,45 @@ using Matrix7d = Eigen::Matrix<double, 7, 7>;
 // the shape (a plane slides, a sphere turns) and stay as they are.
 constexpr double kUndetermined = 1e-7;
 
+// A sample and the model's surface beside it belong together when their normals are within 60°. The
+// underside of a roof that no photo saw would else pull at the roof's top.
+constexpr double kMinNormalCosine = 0.5;
+
 // A truth sample and the nearest model point, both in the truth frame.
 struct Correspondence {
   Eigen::Vector3d model_point = Eigen::Vector3d::Zero();
   Eigen::Vector3d truth_point = Eigen::Vector3d::Zero();
   Eigen::Vector3d truth_normal = Eigen::Vector3d::Zero();
   double distance = std::numeric_limits<double>::infinity();
+  double normal_cosine = 1;  // 1 where the model has no normals
 };
+
+// The scale of the weights is twice the weighted RMS residual, and shrinks to it step by step, so
+// that a displacement is mended before what it made far apart loses its weight.
+constexpr double kScaleOfRms = 2;
+constexpr double kScaleShrinkage = 0.7;
+
+// Along the normal of the truth.
+double Residual(const Correspondence& c) {
+  return c.truth_normal.dot(c.model_point - c.truth_point);
+}
+
+// Of a residual, 0 … 1 (Geman and McClure).
+double RobustWeight(double residual, double scale) {
+  const double ratio = scale > 0 ? residual / scale : 0;
+  return 1 / ((1 + ratio * ratio) * (1 + ratio * ratio));
+}
+
+// Of the residuals, each with its weight; an infinite scale weighs all alike. 0 without matches.
+double WeightedRms(const std::vector<Correspondence>& matches, double scale) {
+  double sum = 0, weights = 0;
+  for (const Correspondence& c : matches) {
+    const double residual = Residual(c), weight = RobustWeight(residual, scale);
+    sum += weight * residual * residual;
+    weights += weight;
+  }
+  return weights > 0 ? std::sqrt(sum / weights) : 0;
+}
 
 struct IcpStep {
   Sim3d new_from_old;
@@ -36,7 +68,8 @@ struct IcpStep {
 
 class Icp {
  public:
-  Icp(const TriangleMesh& model, const TriangleMesh& truth, const IcpOptions& options)
+  Icp(const TriangleMesh& model, const TriangleMesh& truth, const Sim3d& truth_from_model_start,
+      const IcpOptions& options)
       : options_(options),
         samples_(
             SamplesWithNormals(truth, static_cast<std::size_t>(options.num_samples), options.seed)),
@@ -44,59 +77,47 @@ class Icp {
     if (model.vertices.empty()) throw Error("ICP: the model is empty");
     if (samples_.empty()) throw Error("ICP: the ground truth has no surface");
     size_m_ = BoundsOf(truth).diagonal().norm();
+    for (const Eigen::Vector3i& face : model.faces) {
+      const auto corner = [&](int k) { return model.vertices[static_cast<std::size_t>(face[k])]; };
+      model_normals_.push_back(
+          (corner(1) - corner(0)).cross(corner(2) - corner(0)).stableNormalized());
+    }
+    winding_ = WindingOf(MatchAll(truth_from_model_start));
   }
 
   double size_m() const { return size_m_; }
 
-  // The correspondences that survive the distance limit and the trim. Their choice and order are
-  // the same whatever the number of threads.
+  // The admitted correspondences that survive the trim. Their choice and order are the same
+  // whatever the number of threads.
   std::vector<Correspondence> Match(const Sim3d& truth_from_model) const {
-    const Sim3d model_from_truth = Inverse(truth_from_model);
-    const double max_in_model = options_.max_distance_m * model_from_truth.scale;
-    std::vector<Correspondence> all(samples_.size());
-    ParallelFor(samples_.size(), [&](std::size_t i) {
-      const SurfaceSample& sample = samples_[i];
-      const auto found = finder_.Find(model_from_truth * sample.position, max_in_model);
-      if (!found) return;
-      all[i] = {truth_from_model * found->position, sample.position, sample.normal,
-                found->distance * truth_from_model.scale};
-    });
+    std::vector<Correspondence> matches = MatchAll(truth_from_model);
+    std::erase_if(matches, [&](const Correspondence& c) { return !IsAdmitted(c); });
+    if (matches.empty()) return matches;
     std::vector<double> distances;
-    for (const Correspondence& c : all) {
-      if (std::isfinite(c.distance)) distances.push_back(c.distance);
-    }
-    if (distances.empty()) {
-      throw Error("ICP: the model lies nowhere within " + std::to_string(options_.max_distance_m) +
-                  " m of the ground truth; check that both are in one frame, or give the cameras "
-                  "of both (--input_path, --camera_path)");
-    }
-    const auto keep = static_cast<std::size_t>(
-        std::ceil((1.0 - options_.trim) * static_cast<double>(samples_.size())));
-    if (distances.size() > keep) {
-      const auto cut = distances.begin() + static_cast<std::ptrdiff_t>(keep - 1);
-      std::nth_element(distances.begin(), cut, distances.end());
-      const double limit = *cut;
-      std::erase_if(all, [&](const Correspondence& c) { return c.distance > limit; });
-    } else {
-      std::erase_if(all, [](const Correspondence& c) { return !std::isfinite(c.distance); });
-    }
-    return all;
+    for (const Correspondence& c : matches) distances.push_back(c.distance);
+    const auto kept = static_cast<std::ptrdiff_t>(
+        std::ceil((1.0 - options_.trim) * static_cast<double>(distances.size())));
+    const auto cut = distances.begin() + kept - 1;
+    std::nth_element(distances.begin(), cut, distances.end());
+    const double limit = *cut;
+    std::erase_if(matches, [&](const Correspondence& c) { return c.distance > limit; });
+    return matches;
   }
 
-  // Trimmed RMS where correspondences that were not found count with the distance limit, so that a
-  // transform cannot look better by losing samples.
-  double TrimmedRms(const std::vector<Correspondence>& matches) const {
-    const double wanted = std::ceil((1.0 - options_.trim) * static_cast<double>(samples_.size()));
+  // Over all samples; distances above `limit_m`, and samples without an admitted correspondence,
+  // count as `limit_m`, so that a transform cannot look better by losing samples.
+  double LimitedRms(const Sim3d& truth_from_model, double limit_m) const {
     double sum = 0;
-    for (const Correspondence& c : matches) sum += c.distance * c.distance;
-    const double missing = std::max(0.0, wanted - static_cast<double>(matches.size()));
-    sum += missing * options_.max_distance_m * options_.max_distance_m;
-    return std::sqrt(sum / (missing + static_cast<double>(matches.size())));
+    for (const Correspondence& c : MatchAll(truth_from_model)) {
+      const double distance = IsAdmitted(c) ? std::min(c.distance, limit_m) : limit_m;
+      sum += distance * distance;
+    }
+    return std::sqrt(sum / static_cast<double>(samples_.size()));
   }
 
-  // One Gauss-Newton step on Σ (nᵀ(T p - q))² over rotation, log scale and translation about the
-  // centre of the matches, all in metres at their RMS radius.
-  IcpStep Step(const std::vector<Correspondence>& matches) const {
+  // One Gauss-Newton step on Σ w (nᵀ(T p - q))², w the robust weight at `scale`, over rotation, log
+  // scale and translation about the centre of the matches, all in metres at their RMS radius.
+  IcpStep Step(const std::vector<Correspondence>& matches, double scale) const {
     Eigen::Vector3d center = Eigen::Vector3d::Zero();
     for (const Correspondence& c : matches) center += c.model_point;
     center /= static_cast<double>(matches.size());
@@ -111,8 +132,9 @@ class Icp {
       Vector7d row;
       row << arm.cross(c.truth_normal), c.truth_normal,
           options_.with_scale ? arm.dot(c.truth_normal) : 0.0;
-      hessian += row * row.transpose();
-      gradient += row * c.truth_normal.dot(c.model_point - c.truth_point);
+      const double residual = Residual(c), weight = RobustWeight(residual, scale);
+      hessian += weight * row * row.transpose();
+      gradient += weight * residual * row;
     }
     const Vector7d x = SolveDetermined(hessian, -gradient);
     const Eigen::Vector3d turn = x.head<3>() / radius;
@@ -125,6 +147,47 @@ class Icp {
   }
 
  private:
+  // Of every sample the nearest point of the model; at infinity beyond the distance limit.
+  std::vector<Correspondence> MatchAll(const Sim3d& truth_from_model) const {
+    const Sim3d model_from_truth = Inverse(truth_from_model);
+    const double max_in_model = options_.max_distance_m * model_from_truth.scale;
+    std::vector<Correspondence> all(samples_.size());
+    ParallelFor(samples_.size(), [&](std::size_t i) {
+      const SurfaceSample& sample = samples_[i];
+      const auto found = finder_.Find(model_from_truth * sample.position, max_in_model);
+      if (!found) return;
+      all[i] = {truth_from_model * found->position, sample.position, sample.normal,
+                found->distance * truth_from_model.scale};
+      if (found->face < 0) return;
+      const Eigen::Vector3d& normal = model_normals_[static_cast<std::size_t>(found->face)];
+      all[i].normal_cosine = sample.normal.dot(truth_from_model.rotation * normal);
+    });
+    if (std::ranges::none_of(all,
+                             [](const Correspondence& c) { return std::isfinite(c.distance); })) {
+      throw Error("ICP: the model lies nowhere within " + std::to_string(options_.max_distance_m) +
+                  " m of the ground truth; check that both are in one frame, or give the cameras "
+                  "of both (--input_path, --camera_path)");
+    }
+    return all;
+  }
+
+  // 1: both meshes are wound alike, -1: the other way round, 0: no telling (a cloud's normals).
+  static int WindingOf(const std::vector<Correspondence>& all) {
+    const auto count = [&](double sign) {
+      return std::ranges::count_if(all, [&](const Correspondence& c) {
+        return std::isfinite(c.distance) && sign * c.normal_cosine >= kMinNormalCosine;
+      });
+    };
+    const auto alike = count(1), opposite = count(-1);
+    if (alike >= 2 * opposite) return 1;
+    return opposite >= 2 * alike ? -1 : 0;
+  }
+
+  bool IsAdmitted(const Correspondence& c) const {
+    const double cosine = winding_ == 0 ? std::abs(c.normal_cosine) : winding_ * c.normal_cosine;
+    return std::isfinite(c.distance) && cosine >= kMinNormalCosine;
+  }
+
   static Vector7d SolveDetermined(const Matrix7d& hessian, const Vector7d& rhs) {
     const Eigen::SelfAdjointEigenSolver<Matrix7d> solver(hessian);
     const double limit = kUndetermined * solver.eigenvalues().maxCoeff();
@@ -140,7 +203,9 @@ class Icp {
   IcpOptions options_;
   std::vector<SurfaceSample> samples_;
   NearestFinder finder_;
-  double size_m_ = 0;  // diagonal of the truth
+  std::vector<Eigen::Vector3d> model_normals_;  // one a face, model frame
+  double size_m_ = 0;                           // diagonal of the truth
+  int winding_ = 1;                             // as WindingOf
 };
 
 }  // namespace
@@ -209,28 +274,29 @@ IcpResult RefineByIcp(const TriangleMesh& model, const TriangleMesh& truth,
                       const Sim3d& truth_from_model_start, const IcpOptions& options,
                       const JobControl& job) {
   ThrowIfInvalid(options.Check());
-  const Icp icp(model, truth, options);
+  const Icp icp(model, truth, truth_from_model_start, options);
   IcpResult result;
-  result.truth_from_model = truth_from_model_start;
   Sim3d current = truth_from_model_start;
   std::vector<Correspondence> matches = icp.Match(current);
-  result.start_rms_m = result.rms_m = icp.TrimmedRms(matches);
-  while (result.iterations < options.max_iterations && !result.converged) {
+  result.start_rms_m = WeightedRms(matches, std::numeric_limits<double>::infinity());
+  double scale = kScaleOfRms * result.start_rms_m;
+  while (result.iterations < options.max_iterations && !result.converged && !matches.empty()) {
     job.ThrowIfCancelled();
-    const IcpStep step = icp.Step(matches);
+    const IcpStep step = icp.Step(matches, scale);
     current = step.new_from_old * current;
     current.rotation.normalize();
     ++result.iterations;
     matches = icp.Match(current);
-    const double rms_m = icp.TrimmedRms(matches);
-    if (rms_m <= result.rms_m) {
-      result.rms_m = rms_m;
-      result.truth_from_model = current;
-    }
+    scale = std::max(kScaleShrinkage * scale, kScaleOfRms * WeightedRms(matches, scale));
     result.converged = step.moved_m < 1e-9 * icp.size_m();
     job.Progress("icp", static_cast<std::size_t>(result.iterations),
                  static_cast<std::size_t>(options.max_iterations));
   }
+  if (icp.LimitedRms(current, scale) > icp.LimitedRms(truth_from_model_start, scale)) {
+    current = truth_from_model_start;
+  }
+  result.truth_from_model = current;
+  result.rms_m = WeightedRms(icp.Match(current), std::numeric_limits<double>::infinity());
   return result;
 }
 

@@ -22,7 +22,7 @@ std::optional<NearestPoint> NearestFinder::Find(const Eigen::Vector3d& query,
   if (const auto* surface = std::get_if<ClosestPointIndex>(&index_)) {
     const auto found = surface->Find(query, max_distance);
     if (!found) return std::nullopt;
-    return NearestPoint{found->position, found->distance};
+    return NearestPoint{found->position, found->distance, found->face};
   }
   const auto found = std::get<PointIndex>(index_).Nearest(query, max_distance);
   if (!found) return std::nullopt;

@@ -16,6 +16,7 @@ namespace colmap_ext {
 struct NearestPoint {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   double distance = 0;
+  int face = -1;  // of the mesh; -1 where vertices are searched
 };
 
 class NearestFinder {

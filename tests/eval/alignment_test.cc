@@ -121,6 +121,37 @@ TEST(RefineByIcp, HolesAndSurroundingGroundDoNotPull) {
   EXPECT_LT(Difference(result.truth_from_model * moved, {}), 1e-4);
 }
 
+// A flat roof with a box on it, over a floor.
+TriangleMesh Canopy(double thickness_m) {
+  TriangleMesh mesh;
+  AppendBox({0, 0, 6}, {14, 10, thickness_m}, 20, &mesh);
+  AppendBox({3, 2, 6 + thickness_m}, {8, 6, 2}, 20, &mesh);
+  AppendBox({-2, -2, -0.3}, {18, 14, 0.3}, 20, &mesh);
+  return mesh;
+}
+
+TEST(RefineByIcp, WhatNoPhotoSawDoesNotPull) {
+  TriangleMesh truth = Canopy(0.4);
+  AppendBox({1, 1, 0}, {12, 8, 6}, 20, &truth);  // rooms behind walls that the model has not
+  TriangleMesh model = Canopy(0.4);
+  // Only what looks up or to the side was seen; below the roof a surface sags, as Poisson's do.
+  for (Eigen::Vector3d& vertex : model.vertices) {
+    if (vertex.z() == 6) vertex.z() = 5.6;
+  }
+  const Sim3d moved = MakeSim3(1.004, 0.005, {1, 0, 1}, {0.04, -0.03, 0.05});
+  const IcpResult result = RefineByIcp(TransformMesh(moved, model), truth, {}, {}, {});
+  EXPECT_NEAR(result.truth_from_model.scale * moved.scale, 1, 5e-4);
+  EXPECT_LT(Difference(result.truth_from_model * moved, {}), 0.01);
+}
+
+TEST(RefineByIcp, TruthWoundTheOtherWayRound) {
+  TriangleMesh truth = House();
+  for (Eigen::Vector3i& face : truth.faces) std::swap(face[1], face[2]);
+  const Sim3d moved = MakeSim3(1.03, 0.04, {1, 2, 3}, {0.15, -0.1, 0.2});
+  const IcpResult result = RefineByIcp(TransformMesh(moved, House()), truth, {}, {}, {});
+  EXPECT_LT(Difference(result.truth_from_model * moved, {}), 1e-6);
+}
+
 TEST(RefineByIcp, WithoutScaleTheScaleStays) {
   const TriangleMesh truth = House();
   IcpOptions options;

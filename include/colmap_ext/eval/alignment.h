@@ -53,14 +53,20 @@ struct IcpResult {
   Sim3d truth_from_model;
   int iterations = 0;
   bool converged = false;  // the last step moved the model by less than 1e-9 of its size
-  double start_rms_m = 0;  // trimmed RMS distance, truth sample to model, at the start
-  double rms_m = 0;        // the same at the end; never larger than start_rms_m
+  // RMS of the trimmed correspondences along the normals of the truth, not weighted, at the start
+  // and at the end. It may rise where the truth has much that the model has not.
+  double start_rms_m = 0;
+  double rms_m = 0;
 };
 
 // Refines `start` by trimmed point-to-plane ICP with scale (Chen and Medioni 1992; Chetverikov et
-// al. 2002): each truth sample with its normal against the nearest point of the model (of its
-// surface, or of its vertices when it has no faces). Samples are taken on the truth, so that what
-// the model has beside the truth (ground) takes no part, and the trim leaves out its holes.
+// al. 2002) and robust weights: each truth sample with its normal against the nearest point of the
+// model (of its surface, or of its vertices when it has no faces). Samples are taken on the truth,
+// so that what the model has beside the truth (ground) takes no part. Half of a truth may be what
+// no photo saw (undersides, insides): a sample counts only where the model's surface faces within
+// 60° of its normal (either way round, when the two are not wound alike), and its residual r with
+// the weight of Geman and McClure, 1 / (1 + (r/s)²)², s twice the weighted RMS residual. The result
+// is `start` itself where that fits better: RMS over all samples, distances limited to s.
 // Directions that the shape does not determine stay as they were. Throws Error when either side is
 // empty or no sample has the model within max_distance_m.
 IcpResult RefineByIcp(const TriangleMesh& model, const TriangleMesh& truth,

@@ -38,6 +38,8 @@ struct Correspondence {
 // that a displacement is mended before what it made far apart loses its weight.
 constexpr double kScaleOfRms = 2;
 constexpr double kScaleShrinkage = 0.7;
+constexpr double kScaleOfStartError = 5;
+constexpr double kLeastScaleOfSize = 0.002;
 
 // Along the normal of the truth.
 double Residual(const Correspondence& c) {
@@ -86,6 +88,12 @@ class Icp {
   }
 
   double size_m() const { return size_m_; }
+
+  // Of the weights, where the start is known to be good.
+  double LargestScale() const {
+    if (options_.start_error_m == 0) return std::numeric_limits<double>::infinity();
+    return std::max(kScaleOfStartError * options_.start_error_m, kLeastScaleOfSize * size_m_);
+  }
 
   // The admitted correspondences that survive the trim. Their choice and order are the same
   // whatever the number of threads.
@@ -266,6 +274,7 @@ std::string IcpOptions::Check() const {
   if (max_iterations < 0 || max_iterations > 10000) return "icp_iterations must be 0 … 10000";
   if (!(trim >= 0 && trim <= 0.9)) return "icp_trim must be between 0 and 0.9";
   if (!(max_distance_m > 0)) return "icp_max_distance_m must be above 0";
+  if (!(start_error_m >= 0)) return "the error of ICP's start must be >= 0";
   if (num_samples < 100 || num_samples > 10000000) return "icp_samples must be 100 … 10000000";
   return "";
 }
@@ -279,7 +288,7 @@ IcpResult RefineByIcp(const TriangleMesh& model, const TriangleMesh& truth,
   Sim3d current = truth_from_model_start;
   std::vector<Correspondence> matches = icp.Match(current);
   result.start_rms_m = WeightedRms(matches, std::numeric_limits<double>::infinity());
-  double scale = kScaleOfRms * result.start_rms_m;
+  double scale = std::min(kScaleOfRms * result.start_rms_m, icp.LargestScale());
   while (result.iterations < options.max_iterations && !result.converged && !matches.empty()) {
     job.ThrowIfCancelled();
     const IcpStep step = icp.Step(matches, scale);

@@ -155,7 +155,9 @@ ModelAlignment AlignModel(const TriangleMesh& model, const TriangleMesh& truth,
     alignment.truth_from_model = alignment.cameras->truth_from_model;
   }
   if (options.icp.max_iterations > 0) {
-    alignment.icp = RefineByIcp(model, truth, alignment.truth_from_model, options.icp, job);
+    IcpOptions icp = options.icp;
+    if (alignment.cameras) icp.start_error_m = alignment.cameras->rms_m;
+    alignment.icp = RefineByIcp(model, truth, alignment.truth_from_model, icp, job);
     alignment.truth_from_model = alignment.icp->truth_from_model;
   }
   return alignment;

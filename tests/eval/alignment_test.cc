@@ -144,6 +144,24 @@ TEST(RefineByIcp, WhatNoPhotoSawDoesNotPull) {
   EXPECT_LT(Difference(result.truth_from_model * moved, {}), 0.01);
 }
 
+// Seen from above only: the roof is right, and what hangs below it is 0.6 m off on all sides.
+TEST(RefineByIcp, AStartThatIsKnownToBeGoodIsNotLeftForWhatIsMissing) {
+  TriangleMesh truth = Canopy(0.4);
+  AppendBox({1, 1, 0}, {12, 8, 6}, 20, &truth);
+  TriangleMesh model;
+  AppendBox({0, 0, 6.2}, {14, 10, 0.2}, 20, &model);
+  AppendBox({0.4, 0.4, 0.6}, {13.2, 9.2, 5}, 20, &model);
+  const Sim3d moved = MakeSim3(1.0002, 0.0002, {1, 0, 1}, {0.004, -0.003, 0.005});
+  IcpOptions options;
+  options.start_error_m = 0.01;
+  const IcpResult result = RefineByIcp(TransformMesh(moved, model), truth, {}, options, {});
+  EXPECT_LT(Difference(result.truth_from_model * moved, {}), 0.01);
+  const IcpResult unaware = RefineByIcp(TransformMesh(moved, model), truth, {}, {}, {});
+  EXPECT_GT(Difference(unaware.truth_from_model * moved, {}), 0.5) << "else this shows nothing";
+  options.start_error_m = -1;
+  EXPECT_THROW(RefineByIcp(model, truth, {}, options, {}), UsageError);
+}
+
 TEST(RefineByIcp, TruthWoundTheOtherWayRound) {
   TriangleMesh truth = House();
   for (Eigen::Vector3i& face : truth.faces) std::swap(face[1], face[2]);

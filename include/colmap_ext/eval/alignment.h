@@ -45,6 +45,9 @@ struct IcpOptions {
   bool with_scale = true;       // also estimate the scale
   int num_samples = 20000;      // points on the truth, 100 … 10 million
   std::uint64_t seed = 1;       // of the samples
+  // How far off the start may be, metres, >= 0: what lies much further apart is missing on one
+  // side, not displaced. 0: not known.
+  double start_error_m = 0;
 
   std::string Check() const;
 };
@@ -65,8 +68,9 @@ struct IcpResult {
 // so that what the model has beside the truth (ground) takes no part. Half of a truth may be what
 // no photo saw (undersides, insides): a sample counts only where the model's surface faces within
 // 60° of its normal (either way round, when the two are not wound alike), and its residual r with
-// the weight of Geman and McClure, 1 / (1 + (r/s)²)², s twice the weighted RMS residual. The result
-// is `start` itself where that fits better: RMS over all samples, distances limited to s.
+// the weight of Geman and McClure, 1 / (1 + (r/s)²)², s twice the weighted RMS residual, at first
+// not more than five times start_error_m (or 0.2 % of the truth's diagonal, if that is more). The
+// result is `start` itself where that fits better: RMS over all samples, distances limited to s.
 // Directions that the shape does not determine stay as they were. Throws Error when either side is
 // empty or no sample has the model within max_distance_m.
 IcpResult RefineByIcp(const TriangleMesh& model, const TriangleMesh& truth,

@@ -249,7 +249,14 @@ void WriteMission(const IterationContext& context, const SessionState& state, co
     }
     options.home_below_origin_m = *below_m;
   }
-  WriteFileAtomically(work.files.mission_plan(), QgcPlan(work.path, work.sparse.frame, options));
+  std::string plan;
+  try {
+    plan = QgcPlan(work.path, work.sparse.frame, options);
+  } catch (const Error& error) {  // the path is there, and the session goes on by it
+    job.Warn(std::string("no mission file: ") + error.what());
+    return;
+  }
+  WriteFileAtomically(work.files.mission_plan(), plan);
 }
 
 void Evaluate(const IterationContext& context, const Work& work, IterationSummary* summary,

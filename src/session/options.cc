@@ -134,6 +134,7 @@ void ApplyPreset(const std::string& preset, const OptionSet& set, StageOptions* 
   assign("FlightPlan.fence_margin_m", 2.0, &options->flight_plan.fence_margin_m);
   assign("FlightPlan.transit_margin_m", 0.5, &options->flight_plan.transit_margin_m);
   assign("FlightPlan.min_relative_height_m", 0.2, &options->flight_plan.min_relative_height_m);
+  assign("Mission.min_relative_height_m", 0.2, &options->mission.min_relative_height_m);
   assign("ModelEvaluator.sample_spacing_m", 0.02, &options->evaluation.sample_spacing_m);
 }
 

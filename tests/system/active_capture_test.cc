@@ -64,10 +64,12 @@ TEST_F(SimulatedCapture, SubmodularViewsCoverAndRegisterWithTheLastFlightCutToWh
   std::vector<std::string> arguments = Arguments(folder_ / "w");
   arguments.insert(arguments.end(),
                    {"--NextBestView.strategy", "submodular", "--NextBestView.num_views", "6",
-                    "--Session.max_photos", "32"});
+                    "--Session.max_photos", "32", "--Mission.min_relative_height_m", "50"});
   *std::next(std::ranges::find(arguments, "--Session.max_iterations")) = "5";
   const ChildProcessResult result = Run(arguments);
   ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NE(result.output.find("no mission file: mission: waypoint 0 is only"), std::string::npos)
+      << "a path too low for a mission ends no session";
   const json summary = ReadJson(folder_ / "w" / "summary.json");
   ASSERT_EQ(summary["iterations"].size(), 2U);
   const json& second = summary["iterations"][1];

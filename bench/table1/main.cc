@@ -204,7 +204,6 @@ void ApplyQuick(const OptionSet& set, BenchOptions* options) {
   if (!set.IsSet("width")) options->width = 640;
   if (!set.IsSet("texel_scale")) options->texel_scale = 2;
   if (!set.IsSet("equal_terms")) options->equal_terms = false;
-  if (!set.IsSet("strategies")) options->strategies = "submodular,plane_sweep";
   if (!set.IsSet("plans"))
     options->plans = "grid-downward,2-circles,rectangle-sparse,rectangle-dense";
 }

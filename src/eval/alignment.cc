@@ -79,12 +79,11 @@ class Icp {
     if (model.vertices.empty()) throw Error("ICP: the model is empty");
     if (samples_.empty()) throw Error("ICP: the ground truth has no surface");
     size_m_ = BoundsOf(truth).diagonal().norm();
-    for (const Eigen::Vector3i& face : model.faces) {
-      const auto corner = [&](int k) { return model.vertices[static_cast<std::size_t>(face[k])]; };
-      model_normals_.push_back(
-          (corner(1) - corner(0)).cross(corner(2) - corner(0)).stableNormalized());
+    for (std::size_t i = 0; i < model.faces.size(); ++i) {
+      model_normals_.push_back(FaceNormal(model, i));
     }
-    winding_ = WindingOf(MatchAll(truth_from_model_start));
+    start_ = MatchAll(truth_from_model_start);
+    winding_ = WindingOf(start_);
   }
 
   double size_m() const { return size_m_; }
@@ -95,10 +94,36 @@ class Icp {
     return std::max(kScaleOfStartError * options_.start_error_m, kLeastScaleOfSize * size_m_);
   }
 
-  // The admitted correspondences that survive the trim. Their choice and order are the same
-  // whatever the number of threads.
-  std::vector<Correspondence> Match(const Sim3d& truth_from_model) const {
-    std::vector<Correspondence> matches = MatchAll(truth_from_model);
+  // Of every sample, at the start.
+  const std::vector<Correspondence>& start() const { return start_; }
+
+  // Of every sample the nearest point of the model; at infinity beyond the distance limit.
+  std::vector<Correspondence> MatchAll(const Sim3d& truth_from_model) const {
+    const Sim3d model_from_truth = Inverse(truth_from_model);
+    const double max_in_model = options_.max_distance_m * model_from_truth.scale;
+    std::vector<Correspondence> all(samples_.size());
+    ParallelFor(samples_.size(), [&](std::size_t i) {
+      const SurfaceSample& sample = samples_[i];
+      const auto found = finder_.Find(model_from_truth * sample.position, max_in_model);
+      if (!found) return;
+      all[i] = {truth_from_model * found->position, sample.position, sample.normal,
+                found->distance * truth_from_model.scale};
+      if (found->face < 0) return;
+      const Eigen::Vector3d& normal = model_normals_[static_cast<std::size_t>(found->face)];
+      all[i].normal_cosine = sample.normal.dot(truth_from_model.rotation * normal);
+    });
+    if (std::ranges::none_of(all,
+                             [](const Correspondence& c) { return std::isfinite(c.distance); })) {
+      throw Error("ICP: the model lies nowhere within " + std::to_string(options_.max_distance_m) +
+                  " m of the ground truth; check that both are in one frame, or give the cameras "
+                  "of both (--input_path, --camera_path)");
+    }
+    return all;
+  }
+
+  // The admitted ones of `matches`, one a sample, that survive the trim. Their choice and order are
+  // the same whatever the number of threads.
+  std::vector<Correspondence> Trimmed(std::vector<Correspondence> matches) const {
     std::erase_if(matches, [&](const Correspondence& c) { return !IsAdmitted(c); });
     if (matches.empty()) return matches;
     std::vector<double> distances;
@@ -112,11 +137,11 @@ class Icp {
     return matches;
   }
 
-  // Over all samples; distances above `limit_m`, and samples without an admitted correspondence,
-  // count as `limit_m`, so that a transform cannot look better by losing samples.
-  double LimitedRms(const Sim3d& truth_from_model, double limit_m) const {
+  // Over all samples' `matches`; distances above `limit_m`, and samples without an admitted
+  // correspondence, count as `limit_m`, so that a transform cannot look better by losing samples.
+  double LimitedRms(const std::vector<Correspondence>& matches, double limit_m) const {
     double sum = 0;
-    for (const Correspondence& c : MatchAll(truth_from_model)) {
+    for (const Correspondence& c : matches) {
       const double distance = IsAdmitted(c) ? std::min(c.distance, limit_m) : limit_m;
       sum += distance * distance;
     }
@@ -155,30 +180,6 @@ class Icp {
   }
 
  private:
-  // Of every sample the nearest point of the model; at infinity beyond the distance limit.
-  std::vector<Correspondence> MatchAll(const Sim3d& truth_from_model) const {
-    const Sim3d model_from_truth = Inverse(truth_from_model);
-    const double max_in_model = options_.max_distance_m * model_from_truth.scale;
-    std::vector<Correspondence> all(samples_.size());
-    ParallelFor(samples_.size(), [&](std::size_t i) {
-      const SurfaceSample& sample = samples_[i];
-      const auto found = finder_.Find(model_from_truth * sample.position, max_in_model);
-      if (!found) return;
-      all[i] = {truth_from_model * found->position, sample.position, sample.normal,
-                found->distance * truth_from_model.scale};
-      if (found->face < 0) return;
-      const Eigen::Vector3d& normal = model_normals_[static_cast<std::size_t>(found->face)];
-      all[i].normal_cosine = sample.normal.dot(truth_from_model.rotation * normal);
-    });
-    if (std::ranges::none_of(all,
-                             [](const Correspondence& c) { return std::isfinite(c.distance); })) {
-      throw Error("ICP: the model lies nowhere within " + std::to_string(options_.max_distance_m) +
-                  " m of the ground truth; check that both are in one frame, or give the cameras "
-                  "of both (--input_path, --camera_path)");
-    }
-    return all;
-  }
-
   // 1: both meshes are wound alike, -1: the other way round, 0: no telling (a cloud's normals).
   static int WindingOf(const std::vector<Correspondence>& all) {
     const auto count = [&](double sign) {
@@ -213,6 +214,7 @@ class Icp {
   NearestFinder finder_;
   std::vector<Eigen::Vector3d> model_normals_;  // one a face, model frame
   double size_m_ = 0;                           // diagonal of the truth
+  std::vector<Correspondence> start_;           // one a sample
   int winding_ = 1;                             // as WindingOf
 };
 
@@ -286,7 +288,7 @@ IcpResult RefineByIcp(const TriangleMesh& model, const TriangleMesh& truth,
   const Icp icp(model, truth, truth_from_model_start, options);
   IcpResult result;
   Sim3d current = truth_from_model_start;
-  std::vector<Correspondence> matches = icp.Match(current);
+  std::vector<Correspondence> all = icp.start(), matches = icp.Trimmed(all);
   result.start_rms_m = WeightedRms(matches, std::numeric_limits<double>::infinity());
   double scale = std::min(kScaleOfRms * result.start_rms_m, icp.LargestScale());
   while (result.iterations < options.max_iterations && !result.converged && !matches.empty()) {
@@ -295,17 +297,17 @@ IcpResult RefineByIcp(const TriangleMesh& model, const TriangleMesh& truth,
     current = step.new_from_old * current;
     current.rotation.normalize();
     ++result.iterations;
-    matches = icp.Match(current);
+    all = icp.MatchAll(current);
+    matches = icp.Trimmed(all);
     scale = std::max(kScaleShrinkage * scale, kScaleOfRms * WeightedRms(matches, scale));
     result.converged = step.moved_m < 1e-9 * icp.size_m();
     job.Progress("icp", static_cast<std::size_t>(result.iterations),
                  static_cast<std::size_t>(options.max_iterations));
   }
-  if (icp.LimitedRms(current, scale) > icp.LimitedRms(truth_from_model_start, scale)) {
-    current = truth_from_model_start;
-  }
-  result.truth_from_model = current;
-  result.rms_m = WeightedRms(icp.Match(current), std::numeric_limits<double>::infinity());
+  const bool is_worse = icp.LimitedRms(all, scale) > icp.LimitedRms(icp.start(), scale);
+  result.truth_from_model = is_worse ? truth_from_model_start : current;
+  result.rms_m =
+      is_worse ? result.start_rms_m : WeightedRms(matches, std::numeric_limits<double>::infinity());
   return result;
 }
 

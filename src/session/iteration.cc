@@ -177,18 +177,21 @@ Eigen::Vector3d VehiclePosition(const PhotoSet& photos) {
   return CameraCenter(photos.photos.back().cam_from_world);
 }
 
-// The last flight takes what is left of Session.max_photos. With nothing left a whole flight is
-// planned, for whoever goes on with a higher limit.
-int ViewsOfNextFlight(const StageOptions& options, int photos) {
+// The last flight of a vehicle, simulated or real, takes what is left of Session.max_photos; a
+// person flies what is planned, or not. With nothing left a whole flight is planned, for whoever
+// goes on with a higher limit.
+int ViewsOfNextFlight(const IterationContext& context, int photos) {
+  const StageOptions& options = *context.options;
+  const bool has_vehicle = context.truth != nullptr || options.session.IsRealVehicle();
   const int left = options.session.max_photos - photos;
-  return left > 0 ? std::min(options.nbv.num_views, left) : options.nbv.num_views;
+  return has_vehicle && left > 0 ? std::min(options.nbv.num_views, left) : options.nbv.num_views;
 }
 
 // Options that views share with session, coverage and path.
 NextBestViewOptions ForPlanning(const IterationContext& context, int photos) {
   const StageOptions& options = *context.options;
   NextBestViewOptions nbv = options.nbv;
-  if (context.limits_flight) nbv.num_views = ViewsOfNextFlight(options, photos);
+  nbv.num_views = ViewsOfNextFlight(context, photos);
   nbv.visibility = options.coverage.visibility;
   nbv.speed_m_s = options.path.speed_m_s;
   nbv.yaw_rate_deg_s = options.path.yaw_rate_deg_s;

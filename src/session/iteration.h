@@ -27,9 +27,6 @@ struct IterationContext {
   // Of the iterations before, in this process; null for none. It saves time and changes nothing.
   StereoMemory* stereo_memory = nullptr;
   SessionObserver* observer = nullptr;  // told of every stage; null for none
-  // Cut the next flight to the photos that Session.max_photos leaves. Not for a person's own photos
-  // without a vehicle: a person flies what is planned, or not.
-  bool limits_flight = false;
 };
 
 struct IterationResult {

@@ -232,7 +232,6 @@ SessionSummary RunSimulation(Session session, const Listeners& listeners) {
     context.true_poses_path = SimulatedSite::TruePosesPath(workspace);
     context.truth = &site.truth();
     context.stereo_memory = &stereo_memory;
-    context.limits_flight = true;
     IterationResult result = RunIteration(context, &session.state, job);
     result.summary.stage_wall_s["capture"] = capture.wall_s;
     result.summary.wall_s += capture.wall_s;
@@ -284,7 +283,6 @@ void IterateOnPhotos(StereoMemory* stereo_memory, const Listeners& listeners, Se
   context.stereo_memory = stereo_memory;
   context.sparse = PhotosInput(*session);
   context.initial_model_path = session->inputs.sparse_path;
-  context.limits_flight = session->options.session.IsRealVehicle();
   const SeenInputs seen = LookAtInputs(*session);
   const IterationResult result = RunIteration(context, &session->state, listeners.job);
   FinishIteration(result, seen, listeners, session);

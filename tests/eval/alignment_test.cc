@@ -122,18 +122,18 @@ TEST(RefineByIcp, HolesAndSurroundingGroundDoNotPull) {
 }
 
 // A flat roof with a box on it, over a floor.
-TriangleMesh Canopy(double thickness_m) {
+TriangleMesh Canopy() {
   TriangleMesh mesh;
-  AppendBox({0, 0, 6}, {14, 10, thickness_m}, 20, &mesh);
-  AppendBox({3, 2, 6 + thickness_m}, {8, 6, 2}, 20, &mesh);
+  AppendBox({0, 0, 6}, {14, 10, 0.4}, 20, &mesh);
+  AppendBox({3, 2, 6.4}, {8, 6, 2}, 20, &mesh);
   AppendBox({-2, -2, -0.3}, {18, 14, 0.3}, 20, &mesh);
   return mesh;
 }
 
 TEST(RefineByIcp, WhatNoPhotoSawDoesNotPull) {
-  TriangleMesh truth = Canopy(0.4);
+  TriangleMesh truth = Canopy();
   AppendBox({1, 1, 0}, {12, 8, 6}, 20, &truth);  // rooms behind walls that the model has not
-  TriangleMesh model = Canopy(0.4);
+  TriangleMesh model = Canopy();
   // Only what looks up or to the side was seen; below the roof a surface sags, as Poisson's do.
   for (Eigen::Vector3d& vertex : model.vertices) {
     if (vertex.z() == 6) vertex.z() = 5.6;
@@ -146,7 +146,7 @@ TEST(RefineByIcp, WhatNoPhotoSawDoesNotPull) {
 
 // Seen from above only: the roof is right, and what hangs below it is 0.6 m off on all sides.
 TEST(RefineByIcp, AStartThatIsKnownToBeGoodIsNotLeftForWhatIsMissing) {
-  TriangleMesh truth = Canopy(0.4);
+  TriangleMesh truth = Canopy();
   AppendBox({1, 1, 0}, {12, 8, 6}, 20, &truth);
   TriangleMesh model;
   AppendBox({0, 0, 6.2}, {14, 10, 0.2}, 20, &model);

@@ -24,13 +24,7 @@ colmap="$work/colmap"
 trap 'rm -rf "$work"' EXIT
 [[ -x "$program" ]] || { echo "$program: build colmap_ext first (scripts/build.sh)" >&2; exit 2; }
 
-step() { echo "== $SECONDS s: $*"; }
-fail() { echo "FAILED: $*" >&2; exit 1; }
-
-# Runs a command, its output in a log that is shown when it fails.
-quietly() {
-  "$@" > "$work/last.log" 2>&1 || { tail -n 30 "$work/last.log" >&2; fail "$*"; }
-}
+. "$(dirname "$0")/steps.sh"
 
 make_root() {
   command -v debootstrap > /dev/null || quietly apt-get install -y --no-install-recommends debootstrap

@@ -12,12 +12,7 @@ work="$(mktemp -d /var/tmp/colmap_ext_slurm.XXXXXX)"
 export SLURM_CONF="$work/slurm.conf"
 daemons=()
 
-step() { echo "== $SECONDS s: $*"; }
-fail() { echo "FAILED: $*" >&2; exit 1; }
-
-quietly() {
-  "$@" > "$work/last.log" 2>&1 || { tail -n 30 "$work/last.log" >&2; fail "$*"; }
-}
+. "$(dirname "$0")/steps.sh"
 
 end_slurm() {
   scancel --state=PENDING,RUNNING --user="$(id -un)" > /dev/null 2>&1 || true

@@ -195,8 +195,10 @@ int RunSuperpixelStereo(const Arguments& arguments, Program& program) {
 
   const JobControl job = program.Job();
   const Reconstruction model = ReadReconstruction(paths.sparse);
-  PhotoSet photos = LoadPhotoSet(model, paths.images.string(), true);
+  PhotoSet photos = LoadPhotoSet(model, "", false);
   DownscalePhotos(max_width_px, &photos);
+  const std::vector<std::uint8_t> all(photos.photos.size(), 1);
+  LoadPixels(model, paths.images.string(), all, &photos.photos);
   const IterationFiles files{paths.output};
   std::optional<PhotoExchange> exchange;
   if (rank.IsShared()) {
@@ -211,7 +213,7 @@ int RunSuperpixelStereo(const Arguments& arguments, Program& program) {
   WriteDenseWorkspace(photos, model, result.views, result.neighbors, 0.0, files.dense(), rank);
   if (exchange) exchange->Finish(job);
   if (!rank.IsFirst()) return 0;
-  const OrientedPoints points = SamplePoints(photos, result.views, point_options);
+  const OrientedPoints points = SamplePoints(photos, result.views, result.neighbors, point_options);
   WriteOrientedPoints(points, files.fused_ply());
   WriteFusedMesh(result.views, point_options.min_confidence, paths.output / "fused_mesh.ply");
   if (pictures) {

@@ -54,7 +54,7 @@ Run RunMvs(const fs::path& model_path, const fs::path& images, const Settings& s
   run.load = load.Stop();
   run.stereo = RunSuperpixelStereo(photos, settings.superpixels, settings.stereo, JobControl());
   const StageTimer sampling;
-  run.points = SamplePoints(photos, run.stereo.views, settings.points).size();
+  run.points = SamplePoints(photos, run.stereo.views, run.stereo.neighbors, settings.points).size();
   run.sampling = sampling.Stop();
   run.all = all.Stop();
   return run;

@@ -4,6 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "colmap_ext/mvs/stereo_options.h"
 #include "colmap_ext/report/summary_json.h"
 #include "colmap_ext/scene/workspace.h"
 #include "colmap_ext/util/error.h"
@@ -26,6 +27,7 @@ struct BenchOptions {
   std::string counts = "64,256,1024";
   int new_photos = 8;
   int iterations = 3;
+  double keep_tolerance_px = SuperpixelStereoOptions().keep_tolerance_px;
 
   std::string Check() const {
     if (new_photos < 1 || new_photos > 1000) return "--new_photos must be in 1 … 1000";
@@ -34,9 +36,21 @@ struct BenchOptions {
   }
 };
 
-// From photos to path; the rest of an iteration is the simulator's (capture, evaluation).
+// From photos to path.
 constexpr const char* kStages[] = {"sparse",  "superpixels", "stereo", "fusion",
                                    "surface", "coverage",    "nbv",    "path"};
+// The rest of an iteration is the simulator's.
+constexpr const char* kOfSimulation[] = {"capture", "evaluation"};
+
+// Wall time of an iteration without what is the simulator's.
+double OwnWallSeconds(const IterationSummary& iteration) {
+  double seconds = iteration.wall_s;
+  for (const char* stage : kOfSimulation) {
+    const auto cost = iteration.stage_wall_s.find(stage);
+    if (cost != iteration.stage_wall_s.end()) seconds -= cost->second;
+  }
+  return seconds;
+}
 
 struct StageTime {
   double wall_s = 0, cpu_s = 0;  // of a new photo
@@ -50,12 +64,14 @@ fs::path FlySession(int count, const BenchOptions& options, const JobControl& jo
       {"--scene", options.scene, "--Session.pictures", "0", "--Session.max_iterations",
        std::to_string(1 + options.iterations), "--Session.max_photos", "100000",
        "--Session.target_covered_ratio", "1", "--InitialFlight.num_views", std::to_string(count),
-       "--NextBestView.num_views", std::to_string(options.new_photos)},
+       "--NextBestView.num_views", std::to_string(options.new_photos),
+       "--SuperpixelStereo.keep_tolerance_px", std::to_string(options.keep_tolerance_px)},
       job);
   return workspace;
 }
 
-// Of every iteration after the first flight; "total" is their sum.
+// Of every iteration after the first flight; "total": wall time of all of it, CPU time of the
+// stages.
 std::map<std::string, std::vector<StageTime>> TimesOf(const fs::path& workspace) {
   const SessionSummary summary = ReadSummary(Workspace(workspace).summary_json());
   std::map<std::string, std::vector<StageTime>> times;
@@ -64,13 +80,12 @@ std::map<std::string, std::vector<StageTime>> TimesOf(const fs::path& workspace)
     if (new_photos <= 0) continue;
     const IterationFiles files{Workspace(workspace).iteration(static_cast<int>(i))};
     const auto cost = nlohmann::json::parse(ReadFile(files.timing_json()));
-    StageTime total;
+    StageTime total{OwnWallSeconds(summary.iterations[i]) / new_photos, 0};
     for (const char* stage : kStages) {
       if (!cost.contains(stage)) continue;
       const StageTime time{cost[stage]["wall_s"].get<double>() / new_photos,
                            cost[stage]["cpu_s"].get<double>() / new_photos};
       times[stage].push_back(time);
-      total.wall_s += time.wall_s;
       total.cpu_s += time.cpu_s;
     }
     times["total"].push_back(total);
@@ -111,6 +126,8 @@ int Run(const std::vector<std::string>& arguments) {
   set.Add("", "counts", &options.counts, "photos of the first flight, with commas");
   set.Add("", "new_photos", &options.new_photos, "photos of each later flight");
   set.Add("", "iterations", &options.iterations, "later flights; medians are reported");
+  set.Add("", "keep_tolerance_px", &options.keep_tolerance_px,
+          "of the session's stereo; 0: every photo is solved in every iteration");
   if (!ReadCommandLine(arguments, &set)) return 0;
   ThrowIfInvalid(options.Check());
   ConsoleSink sink(LogLevel::kWarning);

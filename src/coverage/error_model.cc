@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "colmap_ext/geom/point_index.h"
 #include "colmap_ext/geom/transforms.h"
@@ -21,11 +22,28 @@ double TriangulationError(const ViewOfPoint& first, const ViewOfPoint& second, d
 double PredictedError(const std::vector<ViewOfPoint>& views, double sigma_px,
                       double max_angle_rad) {
   const double min_cos = std::cos(max_angle_rad);
+  const double max_sin = max_angle_rad < std::numbers::pi / 2 ? std::sin(max_angle_rad) : 1.0;
+  // Sharpest views first: no pair is better than both views are sharp (at the best angle), so most
+  // of the pairs of hundreds of views need no look.
+  std::vector<const ViewOfPoint*> sharpest;
+  for (const ViewOfPoint& view : views) sharpest.push_back(&view);
+  std::sort(sharpest.begin(), sharpest.end(), [](const ViewOfPoint* a, const ViewOfPoint* b) {
+    return a->projection_ratio > b->projection_ratio;
+  });
+  const auto least = [&](std::size_t i, std::size_t j) {
+    const double squared_s1 = sigma_px * sigma_px / sharpest[i]->projection_ratio;
+    const double squared_s2 = sigma_px * sigma_px / sharpest[j]->projection_ratio;
+    const double sum = squared_s1 + squared_s2;
+    constexpr double kRounding = 1 - 1e-9;
+    return kRounding * std::sqrt(sum / (max_sin * max_sin) + squared_s1 * squared_s2 / sum);
+  };
   double smallest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    for (std::size_t j = i + 1; j < views.size(); ++j) {
-      if (views[i].direction.dot(views[j].direction) < min_cos) continue;
-      smallest = std::min(smallest, TriangulationError(views[i], views[j], sigma_px));
+  for (std::size_t i = 0; i + 1 < sharpest.size(); ++i) {
+    if (least(i, i + 1) >= smallest) break;
+    for (std::size_t j = i + 1; j < sharpest.size(); ++j) {
+      if (least(i, j) >= smallest) break;
+      if (sharpest[i]->direction.dot(sharpest[j]->direction) < min_cos) continue;
+      smallest = std::min(smallest, TriangulationError(*sharpest[i], *sharpest[j], sigma_px));
     }
   }
   return std::isfinite(smallest) ? smallest : -1.0;

@@ -129,8 +129,10 @@ std::vector<ConfidenceCues> EvaluateCues(const std::vector<ViewMesh>& views,
 
 void EvaluateConfidence(const std::vector<ViewLookup>& lookups,
                         const std::vector<std::vector<int>>& neighbors,
+                        const std::vector<std::size_t>& which,
                         const SuperpixelStereoOptions& options, std::vector<ViewMesh>* views) {
-  ParallelFor(views->size(), [&](std::size_t i) {
+  ParallelFor(which.size(), [&](std::size_t k) {
+    const std::size_t i = which[k];
     const std::vector<ConfidenceCues> cues =
         EvaluateCues(*views, lookups, neighbors[i], static_cast<int>(i), options);
     std::vector<float>& confidence = (*views)[i].confidence;

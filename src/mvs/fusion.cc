@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "colmap_ext/mvs/confidence.h"
-#include "colmap_ext/util/parallel.h"
 #include "mvs/raster.h"
 
 namespace colmap_ext {
@@ -118,17 +116,6 @@ std::pair<std::size_t, std::size_t> ChooseAgreement(const std::vector<Hit>& hits
   return {chosen->first, chosen->last};
 }
 
-// Share of facets with a corner whose inverse depth changed by more than `tolerance` of it.
-double MovedShare(const std::vector<Eigen::Vector3d>& before,
-                  const std::vector<Eigen::Vector3d>& after, double tolerance) {
-  if (before.empty()) return 0;
-  std::size_t moved = 0;
-  for (std::size_t t = 0; t < before.size(); ++t) {
-    moved += ((after[t] - before[t]).array().abs() > tolerance * before[t].array().abs()).any();
-  }
-  return static_cast<double>(moved) / static_cast<double>(before.size());
-}
-
 }  // namespace
 
 std::vector<DepthRow> CollectFusionRows(const std::vector<ViewMesh>& views,
@@ -189,30 +176,14 @@ FacetDepths FuseView(const LinearStereo& solver, const std::vector<ViewMesh>& vi
   return refined;
 }
 
-double FuseViews(const std::vector<LinearStereo>& solvers,
-                 const std::vector<std::vector<int>>& neighbors,
-                 const std::vector<std::vector<DepthRow>>& extra_rows,
-                 const std::vector<const FacetDepths*>& known,
-                 const SuperpixelStereoOptions& options, const JobControl& job,
-                 std::vector<ViewLookup>* lookups, std::vector<ViewMesh>* views) {
-  std::vector<FacetDepths> refined(views->size());
-  std::vector<double> moved_share(views->size());
-  ParallelFor(views->size(), [&](std::size_t i) {
-    job.ThrowIfCancelled();
-    const ViewMesh& view = (*views)[i];
-    refined[i] = known[i] != nullptr ? *known[i]
-                                     : FuseView(solvers[i], *views, *lookups, neighbors[i],
-                                                extra_rows[i], static_cast<int>(i), options);
-    moved_share[i] =
-        MovedShare(view.inverse_depth, refined[i].inverse_depth, options.fusion_tolerance);
-  });
-  ParallelFor(views->size(), [&](std::size_t i) {
-    (*views)[i].inverse_depth.swap(refined[i].inverse_depth);
-    (*views)[i].supported.swap(refined[i].supported);
-    (*lookups)[i] = ViewLookup((*views)[i], (*lookups)[i].triangle_at);
-  });
-  EvaluateConfidence(*lookups, neighbors, options, views);
-  return views->empty() ? 0 : *std::max_element(moved_share.begin(), moved_share.end());
+double MovedShare(const std::vector<Eigen::Vector3d>& before,
+                  const std::vector<Eigen::Vector3d>& after, double tolerance) {
+  if (before.empty()) return 0;
+  std::size_t moved = 0;
+  for (std::size_t t = 0; t < before.size(); ++t) {
+    moved += ((after[t] - before[t]).array().abs() > tolerance * before[t].array().abs()).any();
+  }
+  return static_cast<double>(moved) / static_cast<double>(before.size());
 }
 
 }  // namespace colmap_ext

@@ -14,10 +14,6 @@ void AddOptions(Options options, ContentHash* hash) {
   for (const char c : set.ToIni()) hash->Add(c);
 }
 
-void AddRow(const DepthRow& row, ContentHash* hash) {
-  hash->Add(row.triangle).Add(row.barycentric).Add(row.inverse_depth).Add(row.weight);
-}
-
 }  // namespace
 
 std::uint64_t PartitionKey(const PosedPhoto& photo, const SuperpixelOptions& options) {
@@ -44,19 +40,18 @@ std::uint64_t SolveKey(std::uint64_t partition_key, const PhotoSet& photos, std:
   return hash.value();
 }
 
-std::uint64_t ViewKey(std::uint64_t solve_key, const ViewMesh& view) {
+std::uint64_t StereoKey(const SuperpixelOptions& superpixel_options,
+                        const SuperpixelStereoOptions& options) {
   ContentHash hash;
-  hash.Add(solve_key).Add(view.inverse_depth).Add(view.supported).Add(view.confidence);
-  return hash.value();
+  AddOptions(superpixel_options, &hash);
+  AddOptions(options, &hash);
+  return hash.value() | 1;
 }
 
-std::uint64_t PassKey(const std::vector<std::uint64_t>& view_keys, std::size_t view,
-                      const std::vector<int>& neighbors, const std::vector<DepthRow>& extra_rows) {
+std::uint64_t SamplerKey(const PointSamplerOptions& options) {
   ContentHash hash;
-  hash.Add(view_keys[view]);
-  for (const int j : neighbors) hash.Add(view_keys[static_cast<std::size_t>(j)]);
-  for (const DepthRow& row : extra_rows) AddRow(row, &hash);
-  return hash.value();
+  AddOptions(options, &hash);
+  return hash.value() | 1;
 }
 
 }  // namespace colmap_ext

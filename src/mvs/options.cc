@@ -89,6 +89,8 @@ std::string SuperpixelStereoOptions::Check() const {
       .In("photometric_weight", photometric_weight, kTiny, 1e6)
       .In("photometric_min_correlation", photometric_min_correlation, 0, 1)
       .In("sigma_photometric", sigma_photometric, kTiny, 1e3)
+      .In("keep_tolerance_px", keep_tolerance_px, 0, 100)
+      .In("keep_new_points", keep_new_points, 0, 1e6)
       .complaint();
 }
 
@@ -143,6 +145,11 @@ void BindOptions(OptionSet& set, SuperpixelStereoOptions* options) {
           "planes that correlate less with the neighbouring photos say nothing (0 to 1)");
   set.Add(section, "sigma_photometric", &options->sigma_photometric,
           "sigma_c of the confidence: missing correlation with the neighbouring photos");
+  set.Add(section, "keep_tolerance_px", &options->keep_tolerance_px,
+          "when photos come, others keep their mesh while nothing moved by more in a neighbour "
+          "(px, 0 to 100; 0: all are solved again)");
+  set.Add(section, "keep_new_points", &options->keep_new_points,
+          "and while they gained at most this share of SfM points");
 }
 
 std::string PointSamplerOptions::Check() const {

@@ -7,7 +7,7 @@
 #include "colmap_ext/util/parallel.h"
 #include "mvs/content_hash.h"
 #include "mvs/memory_keys.h"
-#include "scene/byte_reader.h"
+#include "mvs/mesh_bytes.h"
 
 namespace colmap_ext {
 namespace {
@@ -24,48 +24,6 @@ std::uint64_t HashOf(const PhotoSet& photos, const SuperpixelOptions& superpixel
     keys[i] = SolveKey(partition, photos, i, points[i], options);
   });
   return ContentHash().Add(keys).Add(num_processes).value();
-}
-
-// Of numbers or fixed-size Eigen vectors: types without padding.
-template <typename T>
-void Put(const std::vector<T>& values, std::ostream& out) {
-  WriteBytes(out, std::uint64_t{values.size()});
-  out.write(reinterpret_cast<const char*>(values.data()),
-            static_cast<std::streamsize>(values.size() * sizeof(T)));
-}
-
-template <typename T>
-void Take(ByteReader* in, std::vector<T>* values) {
-  values->resize(in->ReadCount(sizeof(T), "values"));
-  in->Take(values->data(), values->size() * sizeof(T), "values");
-}
-
-void Put(const ImageMesh& mesh, std::ostream& out) {
-  Put(mesh.vertices_px, out);
-  Put(mesh.triangles, out);
-  Put(mesh.neighbors, out);
-  Put(mesh.superpixel, out);
-  Put(mesh.mean_bgr, out);
-  WriteBytes(out, mesh.num_superpixels);
-}
-
-void Take(ByteReader* in, ImageMesh* mesh) {
-  Take(in, &mesh->vertices_px);
-  Take(in, &mesh->triangles);
-  Take(in, &mesh->neighbors);
-  Take(in, &mesh->superpixel);
-  Take(in, &mesh->mean_bgr);
-  mesh->num_superpixels = in->Read<int>("superpixels");
-}
-
-void Put(const FacetDepths& depths, std::ostream& out) {
-  Put(depths.inverse_depth, out);
-  Put(depths.supported, out);
-}
-
-void Take(ByteReader* in, FacetDepths* depths) {
-  Take(in, &depths->inverse_depth);
-  Take(in, &depths->supported);
 }
 
 }  // namespace
@@ -91,13 +49,13 @@ void PhotoExchange::ShareItems(const JobControl& job, std::vector<Item>* items) 
   }
   ParallelFor(items->size(), [&](std::size_t i) {
     if (!rank_.IsMine(i)) return;
-    WriteFileAtomically(path_of(i), [&](std::ostream& out) { Put((*items)[i], out); });
+    WriteFileAtomically(path_of(i), [&](std::ostream& out) { PutBytes((*items)[i], out); });
   });
   WaitForFiles(others, rank_, job);
   ParallelFor(items->size(), [&](std::size_t i) {
     if (rank_.IsMine(i)) return;
     ByteReader in(path_of(i));
-    Take(&in, &(*items)[i]);
+    TakeBytes(&in, &(*items)[i]);
     in.ExpectEnd();
   });
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "colmap_ext/mvs/linear_stereo.h"
 #include "colmap_ext/util/parallel.h"
 #include "mvs/photo_patch.h"
 #include "mvs/plane_search.h"
@@ -91,13 +92,10 @@ PhotometricStage::PhotometricStage(const PhotoSet& photos,
       neighbors_(neighbors),
       options_(options),
       grey_(photos.photos.size()),
-      points_of_photo_(photos.photos.size()) {
-  ParallelFor(grey_.size(), [&](std::size_t i) { grey_[i] = PackGrey(photos.photos[i].bgr); });
-  for (std::size_t p = 0; p < photos.points.size(); ++p) {
-    for (const int i : photos.points[p].photo_indices) {
-      points_of_photo_[static_cast<std::size_t>(i)].push_back(static_cast<int>(p));
-    }
-  }
+      points_of_photo_(PointsOfPhotos(photos)) {
+  ParallelFor(grey_.size(), [&](std::size_t i) {
+    if (!photos.photos[i].bgr.empty()) grey_[i] = PackGrey(photos.photos[i].bgr);
+  });
 }
 
 std::vector<DepthRow> PhotometricStage::CollectRows(const std::vector<ViewMesh>& views,

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <map>
+#include <memory>
 
 #include "colmap_ext/mvs/confidence.h"
 #include "colmap_ext/mvs/fusion.h"
 #include "colmap_ext/mvs/linear_stereo.h"
-#include "colmap_ext/mvs/neighbors.h"
 #include "colmap_ext/mvs/photometric.h"
 #include "colmap_ext/mvs/view_lookup.h"
 #include "colmap_ext/util/error.h"
@@ -17,8 +18,10 @@
 namespace colmap_ext {
 namespace {
 
-void RequirePixels(const PhotoSet& photos) {
-  for (const PosedPhoto& photo : photos.photos) {
+void RequirePixels(const PhotoSet& photos, const std::vector<std::uint8_t>& needs_pixels) {
+  for (std::size_t i = 0; i < photos.photos.size(); ++i) {
+    const PosedPhoto& photo = photos.photos[i];
+    if (needs_pixels[i] == 0) continue;
     if (photo.bgr.cols != photo.camera.width || photo.bgr.rows != photo.camera.height ||
         photo.bgr.empty()) {
       throw Error("superpixel stereo: photo " + photo.name +
@@ -27,38 +30,58 @@ void RequirePixels(const PhotoSet& photos) {
   }
 }
 
-// Calls work(i) for each photo in parallel, with progress.
+// Calls work(i) for each of `which` in parallel, with progress.
 template <typename Work>
-void ForEachPhoto(std::size_t count, const char* stage, const JobControl& job, const Work& work) {
+void ForEachPhoto(const std::vector<std::size_t>& which, const char* stage, const JobControl& job,
+                  const Work& work) {
   std::atomic<std::size_t> done = 0;
-  ParallelFor(count, [&](std::size_t i) {
+  ParallelFor(which.size(), [&](std::size_t k) {
     job.ThrowIfCancelled();
-    work(i);
-    job.Progress(stage, ++done, count);
+    work(which[k]);
+    job.Progress(stage, ++done, which.size());
   });
 }
 
-// The stages of one run, each photo's part taken from the memory where its input is what it was.
+// The mesh of an earlier update, in the world as it is now.
+ViewMesh MeshNow(const SettledPhoto& settled, double scale, const PosedPhoto& photo, int index) {
+  ViewMesh view = settled.view;
+  view.photo_index = index;
+  view.camera = photo.camera;
+  view.cam_from_world = photo.cam_from_world;
+  for (Eigen::Vector3d& corners : view.inverse_depth) corners /= scale;
+  return view;
+}
+
+SettledPhoto::Neighbor AsItStands(const PosedPhoto& photo) {
+  return {photo.name, photo.camera, photo.cam_from_world};
+}
+
+// The stages of one run.
 class StereoRun {
  public:
+  // `memory`: what `update` was planned with. `exchange`: null when this process does all photos;
+  // else no photo is kept.
   StereoRun(const PhotoSet& photos, const SuperpixelOptions& superpixel_options,
-            const SuperpixelStereoOptions& options, const JobControl& job, bool remembers,
-            PhotoExchange* exchange, StereoMemory* memory)
+            const SuperpixelStereoOptions& options, const StereoUpdate& update,
+            const StereoMemory& memory, const JobControl& job, PhotoExchange* exchange)
       : photos_(photos),
         superpixel_options_(superpixel_options),
         options_(options),
+        update_(update),
+        memory_(memory),
         job_(job),
-        remembers_(remembers),
-        exchange_(exchange) {
-    // Photos that are gone are forgotten.
-    std::map<std::string, PhotoMemory> present;
-    for (const PosedPhoto& photo : photos.photos) {
-      present[photo.name] = std::move(memory->photo[photo.name]);
-    }
-    memory->photo.swap(present);
-    photo_rows_.resize(photos.photos.size());
-    for (const PosedPhoto& photo : photos.photos) {
-      memory_.push_back(&memory->photo.at(photo.name));
+        exchange_(exchange),
+        partition_keys_(photos.photos.size()),
+        triangle_at_(photos.photos.size()),
+        solvers_(photos.photos.size()),
+        lookups_(photos.photos.size()),
+        photo_rows_(photos.photos.size()),
+        cues_(photos.photos.size()) {
+    result_.neighbors = update.neighbors;
+    result_.views.resize(count());
+    for (std::size_t i = 0; i < count(); ++i) {
+      if (!update.settled_scale[i]) solved_.push_back(i);
+      if (!update.settled_scale[i] && IsMine(i)) mine_.push_back(i);
     }
   }
 
@@ -67,10 +90,11 @@ class StereoRun {
     Segment();
     result_.superpixels = superpixel_timer.Stop();
     const StageTimer stereo_timer;
+    TakeSettledMeshes();
     SolveInitially();
     result_.stereo = stereo_timer.Stop();
     const StageTimer photometric_timer;
-    EvaluateConfidence(lookups_, result_.neighbors, options_, &result_.views);
+    EvaluateConfidence(lookups_, result_.neighbors, solved_, options_, &result_.views);
     if (options_.photometric) RefineByPhotos();
     result_.photometric = photometric_timer.Stop();
     const StageTimer fusion_timer;
@@ -79,84 +103,90 @@ class StereoRun {
     return std::move(result_);
   }
 
+  // After Run: photos that are gone are forgotten, those that were solved are remembered.
+  void Remember(const SuperpixelStereoResult& result, StereoMemory* memory) const {
+    const std::vector<std::vector<int>> points = PointsOfPhotos(photos_);
+    std::map<std::string, SettledPhoto> present;
+    for (std::size_t i = 0; i < count(); ++i) {
+      const PosedPhoto& photo = photos_.photos[i];
+      SettledPhoto& settled = present[photo.name];
+      if (update_.settled_scale[i]) {
+        settled = std::move(memory->photo.at(photo.name));
+        continue;
+      }
+      settled.stereo_key = StereoKey(superpixel_options_, options_);
+      settled.partition_key = partition_keys_[i];
+      settled.lens = photo.lens;
+      settled.view = result.views[i];
+      settled.num_points = points[i].size();
+      for (const int j : update_.neighbors[i]) {
+        settled.neighbors.push_back(AsItStands(photos_.photos[static_cast<std::size_t>(j)]));
+      }
+    }
+    memory->photo.swap(present);
+  }
+
  private:
   std::size_t count() const { return photos_.photos.size(); }
   // Not another process's.
   bool IsMine(std::size_t i) const { return exchange_ == nullptr || exchange_->rank().IsMine(i); }
 
-  // Over-segmentation into polygons, split into triangles.
+  // Over-segmentation into polygons, split into triangles. It does not depend on the pose: a photo
+  // that is solved again keeps its polygons.
   void Segment() {
-    std::atomic<int> reused = 0;
-    ForEachPhoto(count(), "superpixels", job_, [&](std::size_t i) {
-      if (!IsMine(i)) return;
+    std::vector<ImageMesh> partitions(count());
+    ForEachPhoto(mine_, "superpixels", job_, [&](std::size_t i) {
       const PosedPhoto& photo = photos_.photos[i];
-      PhotoMemory& memory = *memory_[i];
-      const std::uint64_t key = PartitionKey(photo, superpixel_options_);
-      if (memory.partition != nullptr && memory.partition_key == key) {
-        ++reused;
-        return;
-      }
-      memory = {};
-      memory.partition_key = key;
-      memory.partition = std::make_shared<ImageMesh>(SegmentPhoto(photo.bgr, superpixel_options_));
-      memory.triangle_at =
-          RasterizeTriangleIds(*memory.partition, photo.camera.width, photo.camera.height);
+      partition_keys_[i] = PartitionKey(photo, superpixel_options_);
+      const auto before = memory_.photo.find(photo.name);
+      const bool has_polygons =
+          before != memory_.photo.end() && before->second.partition_key == partition_keys_[i];
+      partitions[i] =
+          has_polygons ? before->second.view.image : SegmentPhoto(photo.bgr, superpixel_options_);
     });
-    result_.reused.partitions = reused;
-    if (exchange_ != nullptr) SharePartitions();
+    if (exchange_ != nullptr) exchange_->Share(job_, &partitions);
+    for (std::size_t i = 0; i < count(); ++i) result_.views[i].image = std::move(partitions[i]);
+    ParallelFor(solved_.size(), [&](std::size_t k) { RasterizeView(solved_[k]); });
   }
 
-  void SharePartitions() {
-    std::vector<ImageMesh> partitions(count());
-    for (std::size_t i = 0; i < count(); ++i) {
-      if (IsMine(i)) partitions[i] = *memory_[i]->partition;
-    }
-    exchange_->Share(job_, &partitions);
+  void RasterizeView(std::size_t i) {
+    const PinholeCamera& camera = photos_.photos[i].camera;
+    triangle_at_[i] = RasterizeTriangleIds(result_.views[i].image, camera.width, camera.height);
+  }
+
+  // Photos that keep their mesh; lookups of those that are a neighbour of one that is solved.
+  void TakeSettledMeshes() {
     ParallelFor(count(), [&](std::size_t i) {
-      if (IsMine(i)) return;
-      const PinholeCamera& camera = photos_.photos[i].camera;
-      memory_[i]->partition = std::make_shared<ImageMesh>(std::move(partitions[i]));
-      memory_[i]->triangle_at =
-          RasterizeTriangleIds(*memory_[i]->partition, camera.width, camera.height);
+      if (!update_.settled_scale[i]) return;
+      const PosedPhoto& photo = photos_.photos[i];
+      result_.views[i] = MeshNow(memory_.photo.at(photo.name), *update_.settled_scale[i], photo,
+                                 static_cast<int>(i));
+      if (update_.needs_pixels[i] == 0) return;
+      RasterizeView(i);
+      lookups_[i] = ViewLookup(result_.views[i], triangle_at_[i]);
     });
   }
 
   // Initialization: each view alone, without the fusion term.
   void SolveInitially() {
-    result_.neighbors = FindNeighbors(photos_, options_);
     const std::vector<std::vector<int>> points = PointsOfPhotos(photos_);
-    result_.views.resize(count());
-    solve_keys_.resize(count());
-    std::vector<std::unique_ptr<ViewLookup>> lookups(count());
-    std::atomic<int> reused = 0;
-    ForEachPhoto(count(), "stereo", job_, [&](std::size_t i) {
-      if (!IsMine(i)) return;
-      PhotoMemory& memory = *memory_[i];
-      solve_keys_[i] = SolveKey(memory.partition_key, photos_, i, points[i], options_);
-      if (memory.solver != nullptr && memory.solve_key == solve_keys_[i]) {
-        ++reused;
-      } else {
-        memory.solve_key = solve_keys_[i];
-        memory.solver =
-            std::make_shared<LinearStereo>(photos_, static_cast<int>(i), points[i],
-                                           *memory.partition, memory.triangle_at, options_);
-      }
-      result_.views[i] = memory.solver->initial();
-      result_.views[i].photo_index = static_cast<int>(i);  // photos before it may be new
-      lookups[i] = std::make_unique<ViewLookup>(result_.views[i], memory.triangle_at);
+    ForEachPhoto(mine_, "stereo", job_, [&](std::size_t i) {
+      solvers_[i] =
+          std::make_unique<LinearStereo>(photos_, static_cast<int>(i), points[i],
+                                         result_.views[i].image, triangle_at_[i], options_);
+      result_.views[i] = solvers_[i]->initial();
     });
-    result_.reused.solves = reused;
-    if (exchange_ != nullptr) ShareInitialViews(&lookups);
-    for (std::size_t i = 0; i < count(); ++i) {
-      if (exchange_ == nullptr) solvers_.push_back(*memory_[i]->solver);
-      lookups_.push_back(std::move(*lookups[i]));
-    }
+    if (exchange_ != nullptr) ShareInitialViews();
+    ParallelFor(solved_.size(), [&](std::size_t k) {
+      const std::size_t i = solved_[k];
+      lookups_[i] = ViewLookup(result_.views[i], triangle_at_[i]);
+    });
   }
 
-  void ShareInitialViews(std::vector<std::unique_ptr<ViewLookup>>* lookups) {
+  void ShareInitialViews() {
     std::vector<FacetDepths> depths(count());
-    for (std::size_t i = 0; i < count(); ++i) {
-      if (IsMine(i)) depths[i] = {result_.views[i].inverse_depth, result_.views[i].supported};
+    for (const std::size_t i : mine_) {
+      depths[i] = {result_.views[i].inverse_depth, result_.views[i].supported};
     }
     exchange_->Share(job_, &depths);
     ParallelFor(count(), [&](std::size_t i) {
@@ -165,60 +195,47 @@ class StereoRun {
       view.photo_index = static_cast<int>(i);
       view.camera = photos_.photos[i].camera;
       view.cam_from_world = photos_.photos[i].cam_from_world;
-      view.image = *memory_[i]->partition;
       view.inverse_depth = std::move(depths[i].inverse_depth);
       view.supported = std::move(depths[i].supported);
       view.confidence.assign(view.image.triangles.size(), 0.0F);
-      (*lookups)[i] = std::make_unique<ViewLookup>(view, memory_[i]->triangle_at);
     });
   }
 
   // What the photos say about the facets, solved with no facet fixed; then confidence anew.
   void RefineByPhotos() {
     photometric_ = std::make_unique<PhotometricStage>(photos_, result_.neighbors, options_);
-    const std::vector<std::uint64_t> view_keys = ViewKeys();
-    ForEachPhoto(count(), "photo-consistency", job_, [&](std::size_t i) {
-      if (!IsMine(i)) return;
-      PhotoMemory::PhotometricPass& pass = memory_[i]->photometric;
-      const std::uint64_t key = PassKey(view_keys, i, result_.neighbors[i], {});
-      if (pass.key == key) return;
+    std::vector<FacetDepths> depths(count());
+    ForEachPhoto(mine_, "photo-consistency", job_, [&](std::size_t i) {
       const ViewMesh& view = result_.views[i];
-      pass.rows = photometric_->CollectRows(result_.views, lookups_, static_cast<int>(i));
-      pass.depths = {view.inverse_depth, view.supported};
-      if (!pass.rows.empty()) {
-        const std::vector<std::uint8_t> none_fixed(view.supported.size(), 0);
-        memory_[i]->solver->Refine(none_fixed, pass.rows, &pass.depths.inverse_depth,
-                                   &pass.depths.supported);
-      }
-      pass.key = key;
+      photo_rows_[i] = photometric_->CollectRows(result_.views, lookups_, static_cast<int>(i));
+      depths[i] = {view.inverse_depth, view.supported};
+      if (photo_rows_[i].empty()) return;
+      const std::vector<std::uint8_t> none_fixed(view.supported.size(), 0);
+      solvers_[i]->Refine(none_fixed, photo_rows_[i], &depths[i].inverse_depth,
+                          &depths[i].supported);
     });
-    if (exchange_ != nullptr) SharePhotometricPasses();
-    cues_.resize(count());
-    ParallelFor(count(), [&](std::size_t i) {
-      const PhotoMemory::PhotometricPass& pass = memory_[i]->photometric;
-      photo_rows_[i] = pass.rows;
-      result_.views[i].inverse_depth = pass.depths.inverse_depth;
-      result_.views[i].supported = pass.depths.supported;
-      lookups_[i] = ViewLookup(result_.views[i], lookups_[i].triangle_at);
-    });
-    EvaluateConfidence(lookups_, result_.neighbors, options_, &result_.views);
+    AdoptDepths(&depths);
     WeighConfidence(std::vector<std::vector<std::uint8_t>>(count()));
   }
 
-  void SharePhotometricPasses() {
-    std::vector<FacetDepths> depths(count());
-    for (std::size_t i = 0; i < count(); ++i) depths[i] = memory_[i]->photometric.depths;
-    exchange_->Share(job_, &depths);
-    for (std::size_t i = 0; i < count(); ++i) {
-      memory_[i]->photometric.depths = std::move(depths[i]);
-    }
+  // Makes new depths, this process's and the others', those of the views; then lookups and
+  // confidence.
+  void AdoptDepths(std::vector<FacetDepths>* depths) {
+    if (exchange_ != nullptr) exchange_->Share(job_, depths);
+    ParallelFor(solved_.size(), [&](std::size_t k) {
+      const std::size_t i = solved_[k];
+      result_.views[i].inverse_depth.swap((*depths)[i].inverse_depth);
+      result_.views[i].supported.swap((*depths)[i].supported);
+      lookups_[i] = ViewLookup(result_.views[i], triangle_at_[i]);
+    });
+    EvaluateConfidence(lookups_, result_.neighbors, solved_, options_, &result_.views);
   }
 
   // Photo-consistency as the fourth factor of Γ; cues of facets with keep[i][t] != 0 are still
   // those of their planes.
   void WeighConfidence(const std::vector<std::vector<std::uint8_t>>& keep) {
-    ParallelFor(count(), [&](std::size_t i) {
-      if (!IsMine(i)) return;
+    ParallelFor(mine_.size(), [&](std::size_t k) {
+      const std::size_t i = mine_[k];
       photometric_->EvaluateCues(result_.views, lookups_, static_cast<int>(i), keep[i], &cues_[i]);
       std::vector<float>& confidence = result_.views[i].confidence;
       for (std::size_t t = 0; t < confidence.size(); ++t) {
@@ -239,12 +256,12 @@ class StereoRun {
   void Fuse() {
     for (int pass = 0; pass < options_.fusion_passes; ++pass) {
       std::vector<std::vector<std::uint8_t>> fixed(count());
-      for (std::size_t i = 0; i < count(); ++i) {
+      for (const std::size_t i : mine_) {
         for (const float confidence : result_.views[i].confidence) {
           fixed[i].push_back(confidence > options_.fixed_confidence);
         }
       }
-      const double moving_share = FuseOnce(static_cast<std::size_t>(pass), photo_rows_);
+      const double moving_share = FuseOnce();
       if (photometric_) WeighConfidence(fixed);
       job_.Progress("fusion", static_cast<std::size_t>(pass) + 1,
                     static_cast<std::size_t>(options_.fusion_passes));
@@ -252,74 +269,53 @@ class StereoRun {
     }
   }
 
-  std::vector<std::uint64_t> ViewKeys() const {
-    std::vector<std::uint64_t> keys(count());
-    ParallelFor(count(),
-                [&](std::size_t i) { keys[i] = ViewKey(solve_keys_[i], result_.views[i]); });
-    return keys;
-  }
-
-  double FuseOnce(std::size_t pass, const std::vector<std::vector<DepthRow>>& extra_rows) {
-    const std::vector<std::uint64_t> view_keys = ViewKeys();
-    std::vector<std::uint64_t> pass_keys(count());
-    std::vector<const FacetDepths*> known(count());
-    for (std::size_t i = 0; remembers_ && i < count(); ++i) {
-      pass_keys[i] = PassKey(view_keys, i, result_.neighbors[i], extra_rows[i]);
-      std::vector<PhotoMemory::Pass>& passes = memory_[i]->passes;
-      passes.resize(std::max(passes.size(), pass + 1));
-      if (passes[pass].key == pass_keys[i]) known[i] = &passes[pass].depths;
-      result_.reused.passes += known[i] != nullptr;
-    }
-    const std::vector<FacetDepths> together = FuseTogether(extra_rows);
-    for (std::size_t i = 0; i < together.size(); ++i) known[i] = &together[i];
-    const double moving_share = FuseViews(solvers_, result_.neighbors, extra_rows, known, options_,
-                                          job_, &lookups_, &result_.views);
-    for (std::size_t i = 0; remembers_ && i < count(); ++i) {
-      if (known[i] != nullptr) continue;
-      const ViewMesh& view = result_.views[i];
-      memory_[i]->passes[pass] = {pass_keys[i], {view.inverse_depth, view.supported}};
+  // Every view from the result of the pass before. Returns the largest share of a view's facets
+  // that moved.
+  double FuseOnce() {
+    std::vector<FacetDepths> depths(count());
+    ParallelFor(mine_.size(), [&](std::size_t k) {
+      job_.ThrowIfCancelled();
+      const std::size_t i = mine_[k];
+      depths[i] = FuseView(*solvers_[i], result_.views, lookups_, result_.neighbors[i],
+                           photo_rows_[i], static_cast<int>(i), options_);
+    });
+    AdoptDepths(&depths);  // `depths` then has those of before
+    double moving_share = 0;
+    for (const std::size_t i : solved_) {
+      moving_share =
+          std::max(moving_share, MovedShare(depths[i].inverse_depth, result_.views[i].inverse_depth,
+                                            options_.fusion_tolerance));
     }
     return moving_share;
-  }
-
-  // Of several processes: the result of one pass for each photo. Of one: empty.
-  std::vector<FacetDepths> FuseTogether(const std::vector<std::vector<DepthRow>>& extra_rows) {
-    if (exchange_ == nullptr) return {};
-    std::vector<FacetDepths> depths(count());
-    ParallelFor(count(), [&](std::size_t i) {
-      if (!IsMine(i)) return;
-      job_.ThrowIfCancelled();
-      depths[i] = FuseView(*memory_[i]->solver, result_.views, lookups_, result_.neighbors[i],
-                           extra_rows[i], static_cast<int>(i), options_);
-    });
-    exchange_->Share(job_, &depths);
-    return depths;
   }
 
   const PhotoSet& photos_;
   const SuperpixelOptions& superpixel_options_;
   const SuperpixelStereoOptions& options_;
+  const StereoUpdate& update_;
+  const StereoMemory& memory_;
   const JobControl& job_;
-  const bool remembers_;              // false: `memory` is dropped after the run
-  PhotoExchange* const exchange_;     // null: this process does all photos
-  std::vector<PhotoMemory*> memory_;  // of each photo
-  std::vector<std::uint64_t> solve_keys_;
-  std::vector<LinearStereo> solvers_;  // empty with an exchange
-  std::vector<ViewLookup> lookups_;
-  std::unique_ptr<PhotometricStage> photometric_;  // null: without
-  std::vector<std::vector<DepthRow>> photo_rows_;  // of each photo, empty without
-  std::vector<std::vector<PhotoCue>> cues_;        // of each photo's triangles
+  PhotoExchange* const exchange_;
+  std::vector<std::size_t> solved_;            // photos that do not keep their mesh
+  std::vector<std::size_t> mine_;              // of these, what this process works on
+  std::vector<std::uint64_t> partition_keys_;  // of mine_
+  std::vector<cv::Mat1i> triangle_at_;
+  std::vector<std::unique_ptr<LinearStereo>> solvers_;  // of mine_
+  std::vector<ViewLookup> lookups_;                     // of photos that need pixels
+  std::unique_ptr<PhotometricStage> photometric_;       // null: without
+  std::vector<std::vector<DepthRow>> photo_rows_;       // of mine_, empty without
+  std::vector<std::vector<PhotoCue>> cues_;             // of mine_, one a triangle
   SuperpixelStereoResult result_;
 };
 
-SuperpixelStereoResult CheckAndRun(const PhotoSet& photos,
-                                   const SuperpixelOptions& superpixel_options,
-                                   const SuperpixelStereoOptions& options, const JobControl& job,
-                                   bool remembers, PhotoExchange* exchange, StereoMemory* memory) {
-  ThrowIfInvalid(superpixel_options.Check());
-  ThrowIfInvalid(options.Check());
-  RequirePixels(photos);
-  return StereoRun(photos, superpixel_options, options, job, remembers, exchange, memory).Run();
+// Every photo is solved.
+SuperpixelStereoResult RunOnAll(const PhotoSet& photos, const SuperpixelOptions& superpixel_options,
+                                const SuperpixelStereoOptions& options, const JobControl& job,
+                                PhotoExchange* exchange) {
+  const StereoMemory nothing;
+  const StereoUpdate update = PlanStereoUpdate(photos, superpixel_options, options, nothing);
+  RequirePixels(photos, update.needs_pixels);
+  return StereoRun(photos, superpixel_options, options, update, nothing, job, exchange).Run();
 }
 
 }  // namespace
@@ -328,23 +324,28 @@ SuperpixelStereoResult RunSuperpixelStereo(const PhotoSet& photos,
                                            const SuperpixelOptions& superpixel_options,
                                            const SuperpixelStereoOptions& options,
                                            const JobControl& job) {
-  StereoMemory memory;
-  return CheckAndRun(photos, superpixel_options, options, job, false, nullptr, &memory);
+  return RunOnAll(photos, superpixel_options, options, job, nullptr);
 }
 
 SuperpixelStereoResult ShareSuperpixelStereo(const PhotoSet& photos,
                                              const SuperpixelOptions& superpixel_options,
                                              const SuperpixelStereoOptions& options,
                                              const JobControl& job, PhotoExchange* exchange) {
-  StereoMemory memory;
-  return CheckAndRun(photos, superpixel_options, options, job, false, exchange, &memory);
+  return RunOnAll(photos, superpixel_options, options, job, exchange);
 }
 
 SuperpixelStereoResult UpdateSuperpixelStereo(const PhotoSet& photos,
                                               const SuperpixelOptions& superpixel_options,
                                               const SuperpixelStereoOptions& options,
-                                              const JobControl& job, StereoMemory* memory) {
-  return CheckAndRun(photos, superpixel_options, options, job, true, nullptr, memory);
+                                              const StereoUpdate& update, const JobControl& job,
+                                              StereoMemory* memory) {
+  ThrowIfInvalid(superpixel_options.Check());
+  ThrowIfInvalid(options.Check());
+  RequirePixels(photos, update.needs_pixels);
+  StereoRun run(photos, superpixel_options, options, update, *memory, job, nullptr);
+  SuperpixelStereoResult result = run.Run();
+  run.Remember(result, memory);
+  return result;
 }
 
 }  // namespace colmap_ext

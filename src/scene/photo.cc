@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
-#include <unordered_map>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "colmap_ext/util/error.h"
@@ -30,7 +30,8 @@ std::vector<PosedPhoto> PhotosSortedByName(const Reconstruction& reconstruction)
     PosedPhoto photo;
     photo.image_id = image_id;
     photo.name = image.name;
-    photo.camera = ToPinhole(CameraOf(reconstruction, image));
+    photo.lens = CameraOf(reconstruction, image);
+    photo.camera = ToPinhole(photo.lens);
     photo.cam_from_world = image.cam_from_world;
     photos.push_back(std::move(photo));
   }
@@ -93,27 +94,6 @@ void CheckSize(const cv::Mat& picture, const Camera& camera, const std::string& 
               "; was it resized after the model was made?");
 }
 
-void LoadPixels(const Reconstruction& reconstruction, const std::filesystem::path& image_path,
-                std::vector<PosedPhoto>* photos) {
-  std::map<CameraId, cv::Mat> map_of_camera;
-  for (const PosedPhoto& photo : *photos) {
-    const SparseImage& image = reconstruction.images.at(photo.image_id);
-    const Camera& camera = CameraOf(reconstruction, image);
-    if (!IsPinhole(camera) && !map_of_camera.contains(image.camera_id)) {
-      map_of_camera[image.camera_id] = BuildUndistortMap(camera, photo.camera);
-    }
-  }
-  ParallelForEach(photos->size(), [&](std::size_t i) {
-    PosedPhoto& photo = (*photos)[i];
-    const CameraId camera_id = reconstruction.images.at(photo.image_id).camera_id;
-    const std::string path = (image_path / photo.name).string();
-    photo.bgr = ReadPhoto(path);
-    CheckSize(photo.bgr, reconstruction.cameras.at(camera_id), path);
-    const auto map = map_of_camera.find(camera_id);
-    if (map != map_of_camera.end()) photo.bgr = Undistort(photo.bgr, map->second);
-  });
-}
-
 }  // namespace
 
 PhotoSet LoadPhotoSet(const Reconstruction& reconstruction, const std::string& image_path,
@@ -121,8 +101,34 @@ PhotoSet LoadPhotoSet(const Reconstruction& reconstruction, const std::string& i
   PhotoSet set;
   set.photos = PhotosSortedByName(reconstruction);
   set.points = SupportPoints(reconstruction, set.photos);
-  if (with_pixels) LoadPixels(reconstruction, image_path, &set.photos);
+  if (with_pixels) {
+    const std::vector<std::uint8_t> all(set.photos.size(), 1);
+    LoadPixels(reconstruction, image_path, all, &set.photos);
+  }
   return set;
+}
+
+void LoadPixels(const Reconstruction& reconstruction, const std::string& image_path,
+                const std::vector<std::uint8_t>& which, std::vector<PosedPhoto>* photos) {
+  std::map<CameraId, cv::Mat> map_of_camera;
+  for (const PosedPhoto& photo : *photos) {
+    const CameraId camera_id = reconstruction.images.at(photo.image_id).camera_id;
+    if (!IsPinhole(photo.lens) && !map_of_camera.contains(camera_id)) {
+      map_of_camera[camera_id] = BuildUndistortMap(photo.lens, ToPinhole(photo.lens));
+    }
+  }
+  ParallelForEach(photos->size(), [&](std::size_t i) {
+    if (which[i] == 0) return;
+    PosedPhoto& photo = (*photos)[i];
+    const CameraId camera_id = reconstruction.images.at(photo.image_id).camera_id;
+    const std::string path = (std::filesystem::path(image_path) / photo.name).string();
+    photo.bgr = ReadPhoto(path);
+    CheckSize(photo.bgr, photo.lens, path);
+    const auto map = map_of_camera.find(camera_id);
+    if (map != map_of_camera.end()) photo.bgr = Undistort(photo.bgr, map->second);
+    const cv::Size size(photo.camera.width, photo.camera.height);
+    if (photo.bgr.size() != size) cv::resize(photo.bgr, photo.bgr, size, 0, 0, cv::INTER_AREA);
+  });
 }
 
 cv::Mat ReadPhoto(const std::string& path) {
@@ -161,28 +167,34 @@ std::vector<std::vector<int>> RankPartners(
   for (const PosedPhoto& photo : photos.photos) {
     centers.push_back(CameraCenter(photo.cam_from_world));
   }
-  std::vector<std::unordered_map<int, double>> sum(n);
+  std::vector<std::vector<const SupportPoint*>> points_of_photo(n);
   for (const SupportPoint& point : photos.points) {
-    for (std::size_t a = 0; a < point.photo_indices.size(); ++a) {
-      const int i = point.photo_indices[a];
-      const Eigen::Vector3d ray_i = point.position - centers[static_cast<std::size_t>(i)];
-      for (std::size_t b = a + 1; b < point.photo_indices.size(); ++b) {
-        const int j = point.photo_indices[b];
-        const double gain = score(ray_i, point.position - centers[static_cast<std::size_t>(j)]);
-        if (!(gain > 0)) continue;
-        sum[static_cast<std::size_t>(i)][j] += gain;
-        sum[static_cast<std::size_t>(j)][i] += gain;
-      }
+    for (const int i : point.photo_indices) {
+      points_of_photo[static_cast<std::size_t>(i)].push_back(&point);
     }
   }
   std::vector<std::vector<int>> partners(n);
-  for (std::size_t i = 0; i < n; ++i) {
+  ParallelFor(n, [&](std::size_t i) {
+    std::vector<double> sum(n);
+    for (const SupportPoint* point : points_of_photo[i]) {
+      const Eigen::Vector3d ray_i = point->position - centers[i];
+      for (const int j : point->photo_indices) {
+        const auto other = static_cast<std::size_t>(j);
+        if (other == i) continue;
+        const Eigen::Vector3d ray_j = point->position - centers[other];
+        // The lower index first: both photos of a pair get the same.
+        sum[other] += std::max(0.0, i < other ? score(ray_i, ray_j) : score(ray_j, ray_i));
+      }
+    }
     std::vector<std::pair<double, int>> ranked;
-    for (const auto& [j, s] : sum[i]) ranked.emplace_back(-s, j);
-    std::sort(ranked.begin(), ranked.end());
+    for (std::size_t j = 0; j < n; ++j) {
+      if (sum[j] > 0) ranked.emplace_back(-sum[j], static_cast<int>(j));
+    }
     const std::size_t count = std::min(ranked.size(), static_cast<std::size_t>(max_partners));
+    std::partial_sort(ranked.begin(), ranked.begin() + static_cast<std::ptrdiff_t>(count),
+                      ranked.end());
     for (std::size_t r = 0; r < count; ++r) partners[i].push_back(ranked[r].second);
-  }
+  });
   return partners;
 }
 

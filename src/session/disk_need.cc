@@ -14,7 +14,9 @@ constexpr double kDatabaseBytesPerPixel = 1.0;      // features and matches
 constexpr double kDatabaseBytesPerFeature = 400;    // at most
 constexpr double kIterationBytes = 20e6;            // surface, coverage map, pictures
 constexpr double kIterationBytesPerPhoto = 0.35e6;  // points, models; at 640 px
-constexpr double kDenseBytesPerPhoto = 5e6;         // --Session.dense_output; at 640 px
+constexpr double kMeshBytesPerPhoto = 0.4e6;        // of a photo that is solved; at 640 px
+constexpr int kSolvedByNew = 4;  // photos that are solved when one is new; measured: 2 to 3
+constexpr double kDenseBytesPerPhoto = 5e6;  // --Session.dense_output; at 640 px
 constexpr double kReportBytes = 5e6;
 constexpr double kReportBytesPerPhoto = 0.2e6;
 constexpr double kReferenceWidthPx = 640;
@@ -43,11 +45,12 @@ double NewPhotoBytes(const StageOptions& options, bool is_simulation) {
   return bytes;
 }
 
-// Of an iteration over `photos`.
-double IterationBytes(const StageOptions& options, bool is_simulation, int photos) {
-  double per_photo = kIterationBytesPerPhoto;
-  if (options.session.dense_output) per_photo += kDenseBytesPerPhoto;
-  return kIterationBytes + kReportBytes + per_photo * DenseScale(options, is_simulation) * photos;
+// Of an iteration over `photos`, of which `new_photos` are new.
+double IterationBytes(const StageOptions& options, bool is_simulation, int photos, int new_photos) {
+  double bytes = kIterationBytesPerPhoto * photos;
+  bytes += kMeshBytesPerPhoto * std::min(photos, kSolvedByNew * new_photos);
+  if (options.session.dense_output) bytes += kDenseBytesPerPhoto * photos;
+  return kIterationBytes + kReportBytes + DenseScale(options, is_simulation) * bytes;
 }
 
 }  // namespace
@@ -56,14 +59,15 @@ DiskNeed EstimateDiskNeed(const StageOptions& options, bool is_simulation, int p
                           int new_photos, int iterations_done) {
   const int all = photos + new_photos;
   const double next = new_photos * NewPhotoBytes(options, is_simulation) +
-                      IterationBytes(options, is_simulation, all);
+                      IterationBytes(options, is_simulation, all, new_photos);
   double session = next;
   if (is_simulation) {
     const int more_iterations = std::max(0, options.session.max_iterations - iterations_done - 1);
     const int more_photos = std::max(0, options.session.max_photos - all);
     session += more_photos * NewPhotoBytes(options, is_simulation);
     for (int i = 1; i <= more_iterations; ++i) {
-      session += IterationBytes(options, is_simulation, all + more_photos * i / more_iterations);
+      session += IterationBytes(options, is_simulation, all + more_photos * i / more_iterations,
+                                more_photos / more_iterations);
     }
   }
   return {static_cast<std::uint64_t>(next), static_cast<std::uint64_t>(session)};

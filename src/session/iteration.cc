@@ -13,6 +13,7 @@
 #include "colmap_ext/mission/qgc_plan.h"
 #include "colmap_ext/mvs/points.h"
 #include "colmap_ext/mvs/stereo_io.h"
+#include "colmap_ext/mvs/stereo_memory_io.h"
 #include "colmap_ext/mvs/superpixel_stereo.h"
 #include "colmap_ext/nbv/next_best_views.h"
 #include "colmap_ext/path/path_planner.h"
@@ -72,9 +73,16 @@ struct Work {
   SessionObserver* observer = nullptr;
 };
 
-void Record(const std::string& stage, const StageCost& cost, Work* work) {
+StageCost Sum(const StageCost& a, const StageCost& b) {
+  return {a.wall_s + b.wall_s, a.cpu_s + b.cpu_s, std::max(a.peak_mib, b.peak_mib)};
+}
+
+void Record(const std::string& stage, const StageCost& cost, Work* work, const JobControl& job) {
   work->cost[stage] = cost;
   if (work->observer != nullptr) work->observer->OnStage(work->iteration, stage, cost);
+  char line[96];
+  std::snprintf(line, sizeof line, "  %-12s %6.1f s", stage.c_str(), cost.wall_s);
+  job.Info(line);
 }
 
 // Runs `stage` and remembers what it cost.
@@ -83,11 +91,7 @@ void Timed(const std::string& name, Work* work, const JobControl& job, const Sta
   job.ThrowIfCancelled();
   const StageTimer timer;
   stage();
-  const StageCost cost = timer.Stop();
-  Record(name, cost, work);
-  char line[96];
-  std::snprintf(line, sizeof line, "  %-12s %6.1f s", name.c_str(), cost.wall_s);
-  job.Info(line);
+  Record(name, timer.Stop(), work, job);
 }
 
 void RunSparse(const IterationContext& context, const SessionState& state, Work* work,
@@ -130,23 +134,44 @@ void WriteDenseOutput(const Work& work, double min_confidence) {
                       min_confidence, work.files.dense());
 }
 
+// The pixels that this iteration asks for.
+void ReadPixels(const IterationContext& context, const StereoUpdate& update, Work* work) {
+  const SessionOptions& options = context.options->session;
+  std::vector<std::uint8_t> which = update.needs_pixels;
+  if (options.dense_output) which.assign(which.size(), 1);
+  if (options.pictures && !which.empty()) which.back() = 1;  // the photo that is shown
+  LoadPixels(work->sparse.model, context.sparse.image_path.string(), which, &work->photos.photos);
+}
+
+void WriteSolved(const StereoUpdate& update, const StereoMemory& memory, const Work& work) {
+  std::set<std::string> solved;
+  for (std::size_t i = 0; i < update.settled_scale.size(); ++i) {
+    if (!update.settled_scale[i]) solved.insert(work.photos.photos[i].name);
+  }
+  WriteStereoMemory(memory, solved, work.files.stereo_bin());
+}
+
 void RunStereo(const IterationContext& context, Work* work, const JobControl& job) {
   const StageOptions& options = *context.options;
-  work->photos = LoadPhotoSet(work->sparse.model, context.sparse.image_path.string(), true);
+  StereoMemory* memory = context.stereo_memory;
+  const StageTimer reading_timer;
+  work->photos = LoadPhotoSet(work->sparse.model, "", false);
   DownscalePhotos(options.session.max_image_size_px, &work->photos);
-  StereoMemory no_memory;
-  StereoMemory* memory = context.stereo_memory != nullptr ? context.stereo_memory : &no_memory;
-  work->stereo =
-      UpdateSuperpixelStereo(work->photos, options.superpixels, options.stereo, job, memory);
-  Record("superpixels", work->stereo.superpixels, work);
-  Record("stereo", work->stereo.stereo, work);
-  Timed("fusion", work, job, [&] {
-    work->points = SamplePoints(work->photos, work->stereo.views, options.points);
-    WriteOrientedPoints(work->points, work->files.fused_ply());
-    if (options.session.dense_output) WriteDenseOutput(*work, options.points.min_confidence);
-  });
-  work->cost["fusion"].wall_s += work->stereo.fusion.wall_s;
-  work->cost["fusion"].cpu_s += work->stereo.fusion.cpu_s;
+  const StereoUpdate update =
+      PlanStereoUpdate(work->photos, options.superpixels, options.stereo, *memory);
+  ReadPixels(context, update, work);
+  const StageCost reading = reading_timer.Stop();
+  work->stereo = UpdateSuperpixelStereo(work->photos, options.superpixels, options.stereo, update,
+                                        job, memory);
+  Record("superpixels", Sum(reading, work->stereo.superpixels), work, job);
+  Record("stereo", Sum(work->stereo.stereo, work->stereo.photometric), work, job);
+  const StageTimer points_timer;
+  work->points = UpdatePoints(work->photos, work->stereo.views, work->stereo.neighbors,
+                              options.points, memory);
+  WriteOrientedPoints(work->points, work->files.fused_ply());
+  WriteSolved(update, *memory, *work);
+  if (options.session.dense_output) WriteDenseOutput(*work, options.points.min_confidence);
+  Record("fusion", Sum(work->stereo.fusion, points_timer.Stop()), work, job);
 }
 
 void RunSurface(const IterationContext& context, SessionState* state, Work* work,

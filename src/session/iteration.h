@@ -24,9 +24,8 @@ struct IterationContext {
   std::filesystem::path initial_model_path;  // model to start from; empty for none
   std::filesystem::path true_poses_path;     // empty without truth
   const GroundTruth* truth = nullptr;        // null without truth
-  // Of the iterations before, in this process; null for none. It saves time and changes nothing.
-  StereoMemory* stereo_memory = nullptr;
-  SessionObserver* observer = nullptr;  // told of every stage; null for none
+  StereoMemory* stereo_memory = nullptr;     // of the iterations before; updated, never null
+  SessionObserver* observer = nullptr;       // told of every stage; null for none
 };
 
 struct IterationResult {

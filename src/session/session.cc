@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "colmap_ext/mvs/stereo_memory_io.h"
 #include "colmap_ext/report/session_page.h"
 #include "colmap_ext/report/summary_json.h"
 #include "colmap_ext/scene/mesh_io.h"
@@ -198,6 +199,17 @@ void FlyAndPrepare(const std::vector<Waypoint>& waypoints, const IterationContex
       job);
 }
 
+// The meshes of all photos as the finished iterations solved them, each as the latest one did. Of
+// iterations by a version that kept none there are none, and all photos are solved again.
+StereoMemory KnownMeshes(const Session& session) {
+  StereoMemory memory;
+  for (int i = session.state.iterations_done - 1; i >= 0; --i) {
+    const fs::path file = IterationFiles{session.workspace.iteration(i)}.stereo_bin();
+    if (fs::exists(file)) ReadStereoMemory(file, &memory);
+  }
+  return memory;
+}
+
 SessionSummary RunSimulation(Session session, const Listeners& listeners) {
   const JobControl& job = listeners.job;
   if (IsFinished(session)) {
@@ -209,7 +221,7 @@ SessionSummary RunSimulation(Session session, const Listeners& listeners) {
   const Workspace& workspace = session.workspace;
   WriteMesh(site.truth().model, workspace.root() / "truth" / "model.ply");
   session.state.finished.clear();
-  StereoMemory stereo_memory;
+  StereoMemory stereo_memory = KnownMeshes(session);
   const std::unique_ptr<FlownCapture> vehicle = MakeVehicle(session, site, job);
   while (session.state.finished.empty()) {
     AnnounceIteration(session, job);
@@ -301,7 +313,8 @@ SessionSummary RunOnPhotos(Session session, const Listeners& listeners) {
   AnnounceIteration(session, job);
   BeginIteration(session, std::max(0, photos - PhotosBefore(session)), job);
   ImportProject(session);
-  IterateOnPhotos(nullptr, listeners, &session);
+  StereoMemory stereo_memory = KnownMeshes(session);
+  IterateOnPhotos(&stereo_memory, listeners, &session);
   return session.summary;
 }
 
@@ -335,7 +348,7 @@ SessionSummary RunWithVehicle(Session session, const Listeners& listeners) {
   }
   session.state.finished.clear();
   ImportProject(session);
-  StereoMemory stereo_memory;
+  StereoMemory stereo_memory = KnownMeshes(session);
   std::unique_ptr<FlownCapture> vehicle;
   while (session.state.finished.empty()) {
     AnnounceIteration(session, job);

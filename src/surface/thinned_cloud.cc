@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -109,7 +110,7 @@ double EstimateArea(const OrientedPoints& points, const std::vector<std::size_t>
   std::vector<VoxelKey> cells;
   cells.reserve(selected.size());
   for (const std::size_t i : selected) cells.push_back(CellOf(points[i].position, cell_m));
-  std::sort(cells.begin(), cells.end());
+  ParallelSort(&cells);
   const auto count = std::unique(cells.begin(), cells.end()) - cells.begin();
   // A plane of random orientation and area A meets about 1.5 A / cell² cells.
   return static_cast<double>(count) * cell_m * cell_m / 1.5;
@@ -124,7 +125,7 @@ ThinnedCloud ThinCloud(const OrientedPoints& points, const std::vector<std::size
     point.key.direction = MainDirection(points[i].normal);
     keyed.push_back(point);
   }
-  std::sort(keyed.begin(), keyed.end());
+  ParallelSort(&keyed);  // by index last: no two are equal
 
   ThinnedCloud cloud;
   cloud.photo_begin.push_back(0);

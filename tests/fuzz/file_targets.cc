@@ -5,9 +5,11 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <string>
 
 #include "colmap_ext/coverage/region.h"
+#include "colmap_ext/mvs/stereo_memory_io.h"
 #include "colmap_ext/nbv/next_best_views.h"
 #include "colmap_ext/report/summary_json.h"
 #include "colmap_ext/scene/capture_journal.h"
@@ -23,6 +25,7 @@
 #include "colmap_ext/scene/true_poses.h"
 #include "colmap_ext/scene/view_plan_io.h"
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/files.h"
 #include "colmap_ext/util/options.h"
 #include "fuzz/targets.h"
 
@@ -101,6 +104,20 @@ void ReadModel(Bytes bytes, const char* extension) {
 
 void FuzzColmapBinary(Bytes bytes) { ReadModel(bytes, ".bin"); }
 void FuzzColmapText(Bytes bytes) { ReadModel(bytes, ".txt"); }
+
+void FuzzStereoMemory(Bytes bytes) {
+  const fs::path path = Folder().Write("stereo.bin", bytes);
+  StereoMemory memory;
+  if (!Reads([&] { ReadStereoMemory(path, &memory); })) return;
+  std::set<std::string> names;
+  for (const auto& [name, settled] : memory.photo) names.insert(name);
+  WriteStereoMemory(memory, names, path);
+  const std::string written = ReadFile(path);
+  StereoMemory again;
+  ReadStereoMemory(path, &again);
+  WriteStereoMemory(again, names, path);
+  Promise(ReadFile(path) == written, "meshes of photos come back");
+}
 
 void FuzzDenseMap(Bytes bytes) {
   const fs::path path = Folder().Write("map.bin", bytes);

@@ -21,6 +21,7 @@ std::vector<FuzzTarget> AllFuzzTargets() {
           {"colmap_binary", FuzzColmapBinary, kOfFiles},
           {"colmap_text", FuzzColmapText, kOfFiles},
           {"dense_map", FuzzDenseMap, kOfFiles},
+          {"stereo_memory", FuzzStereoMemory, kOfFiles},
           {"ply", FuzzPly, kOfFiles},
           {"obj", FuzzObj, kOfFiles},
           {"las", FuzzLas, kOfFiles},

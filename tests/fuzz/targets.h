@@ -31,6 +31,7 @@ void FuzzMavUrls(std::span<const std::uint8_t> bytes);
 void FuzzColmapBinary(std::span<const std::uint8_t> bytes);
 void FuzzColmapText(std::span<const std::uint8_t> bytes);
 void FuzzDenseMap(std::span<const std::uint8_t> bytes);
+void FuzzStereoMemory(std::span<const std::uint8_t> bytes);
 void FuzzPly(std::span<const std::uint8_t> bytes);
 void FuzzObj(std::span<const std::uint8_t> bytes);
 void FuzzLas(std::span<const std::uint8_t> bytes);

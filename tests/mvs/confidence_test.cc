@@ -105,13 +105,13 @@ TEST(Confidence, WithoutWitnessThereIsNone) {
   EXPECT_EQ(scene.Center({}).witnesses, 0);
   scene.views[1].supported.assign(scene.views[1].supported.size(), 0);
   EXPECT_EQ(scene.Center({1}).witnesses, 0);
-  EvaluateConfidence(scene.lookups, {{1}, {0}}, {}, &scene.views);
+  EvaluateConfidence(scene.lookups, {{1}, {0}}, {0, 1}, {}, &scene.views);
   for (const float confidence : scene.views[0].confidence) EXPECT_EQ(confidence, 0.0F);
 }
 
 TEST(Confidence, FacetsOutsideTheNeighboursImageHaveNoWitness) {
   TwoViews scene(0, 0, LookAt({4, -3, 10}, {4, 0, 0}));
-  EvaluateConfidence(scene.lookups, {{1}, {0}}, {}, &scene.views);
+  EvaluateConfidence(scene.lookups, {{1}, {0}}, {0, 1}, {}, &scene.views);
   const auto left = static_cast<std::size_t>(scene.lookups[0].TriangleAt({3.0, 120.0}));
   const auto right = static_cast<std::size_t>(scene.lookups[0].TriangleAt({300.0, 120.0}));
   EXPECT_EQ(scene.views[0].confidence[left], 0.0F);

@@ -17,66 +17,18 @@
 #include "colmap_ext/scene/reconstruction_io.h"
 #include "colmap_ext/util/error.h"
 #include "colmap_ext/util/files.h"
-#include "mvs/analytic_scene.h"
+#include "mvs/box_survey.h"
 
 namespace colmap_ext {
 namespace {
 
-using test::AnalyticScene;
+using test::Accuracy;
 using test::AnalyticSurvey;
+using test::BoxSurvey;
+using test::ExpectSame;
 using test::LookAt;
+using test::Measure;
 using test::TestCamera;
-
-// A box of 3 x 3 x 2.5 m on a floor, photographed from an arc, with `num_points` SfM points.
-AnalyticSurvey BoxSurvey(int num_points, int num_photos = 7) {
-  AnalyticScene scene;
-  scene.rectangles.push_back({{-15, -15, 0}, {30, 0, 0}, {0, 30, 0}, {120, 140, 130}, 1, 50});
-  scene.rectangles.push_back({{-1.5, -1.5, 2.5}, {3, 0, 0}, {0, 3, 0}, {50, 60, 200}, 4, 50});
-  scene.rectangles.push_back({{-1.5, -1.5, 0}, {3, 0, 0}, {0, 0, 2.5}, {190, 70, 60}, 7, 50});
-  scene.rectangles.push_back({{1.5, -1.5, 0}, {0, 3, 0}, {0, 0, 2.5}, {60, 170, 80}, 10, 50});
-  scene.rectangles.push_back({{-1.5, -1.5, 0}, {0, 3, 0}, {0, 0, 2.5}, {60, 170, 180}, 13, 50});
-  std::vector<Rigid3d> poses;
-  for (int i = 0; i < num_photos; ++i) {
-    const double angle = 0.5 + 0.14 * (i - num_photos / 2);
-    poses.push_back(LookAt({9 * std::sin(angle), -9 * std::cos(angle), 6}, {0, 0, 0.5}));
-  }
-  return test::Survey(scene, TestCamera(), poses, num_points);
-}
-
-struct Accuracy {
-  double confident_share = 0;
-  double median_error = 0;  // |Δz|/z over confident pixels
-  double p90_error = 0;
-  double all_mean = 0;  // over all pixels, each at most 1; unsupported ones count 1
-};
-
-Accuracy Measure(const std::vector<ViewMesh>& views, const std::vector<cv::Mat1d>& truth) {
-  std::vector<double> errors;
-  double pixels = 0;
-  double sum = 0;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    const ViewLookup lookup(views[i], TriangleIdMap(views[i]));
-    for (int y = 0; y < truth[i].rows; y += 2) {
-      for (int x = 0; x < truth[i].cols; x += 2) {
-        if (!std::isfinite(truth[i](y, x))) continue;
-        ++pixels;
-        const auto t = static_cast<std::size_t>(lookup.triangle_at(y, x));
-        if (views[i].supported[t] == 0) {
-          sum += 1;
-          continue;
-        }
-        const double depth = 1.0 / lookup.InverseDepth(static_cast<int>(t), {x + 0.5, y + 0.5});
-        const double error = std::abs(depth / truth[i](y, x) - 1);
-        sum += std::min(1.0, error);
-        if (views[i].confidence[t] > 0.5) errors.push_back(error);
-      }
-    }
-  }
-  std::sort(errors.begin(), errors.end());
-  if (errors.empty()) return {};
-  return {static_cast<double>(errors.size()) / pixels, errors[errors.size() / 2],
-          errors[errors.size() * 9 / 10], sum / pixels};
-}
 
 TEST(SuperpixelStereo, RebuildsABoxOnAFloor) {
   const AnalyticSurvey survey = BoxSurvey(600);
@@ -150,84 +102,6 @@ TEST(SuperpixelStereo, DoesNotDependOnTheNumberOfThreads) {
   }
 }
 
-void ExpectSame(const SuperpixelStereoResult& a, const SuperpixelStereoResult& b) {
-  EXPECT_EQ(a.neighbors, b.neighbors);
-  ASSERT_EQ(a.views.size(), b.views.size());
-  for (std::size_t i = 0; i < a.views.size(); ++i) {
-    EXPECT_EQ(a.views[i].photo_index, b.views[i].photo_index);
-    EXPECT_EQ(a.views[i].inverse_depth, b.views[i].inverse_depth);
-    EXPECT_EQ(a.views[i].confidence, b.views[i].confidence);
-    EXPECT_EQ(a.views[i].supported, b.views[i].supported);
-  }
-}
-
-// The survey without the photos from `count` on, as it was before they were taken.
-PhotoSet FirstPhotos(const PhotoSet& all, int count) {
-  PhotoSet photos = all;
-  photos.photos.resize(static_cast<std::size_t>(count));
-  for (SupportPoint& point : photos.points) {
-    std::erase_if(point.photo_indices, [&](int index) { return index >= count; });
-  }
-  std::erase_if(photos.points,
-                [](const SupportPoint& point) { return point.photo_indices.size() < 2; });
-  return photos;
-}
-
-TEST(SuperpixelStereo, AnUpdateGivesWhatARunFromScratchGives) {
-  const AnalyticSurvey survey = BoxSurvey(400, 6);
-  StereoMemory memory;
-  UpdateSuperpixelStereo(FirstPhotos(survey.photos, 5), {}, {}, JobControl(), &memory);
-  const auto updated = UpdateSuperpixelStereo(survey.photos, {}, {}, JobControl(), &memory);
-  EXPECT_EQ(updated.reused.partitions, 5);
-  EXPECT_LT(updated.reused.passes, 18);
-  ExpectSame(updated, RunSuperpixelStereo(survey.photos, {}, {}, JobControl()));
-
-  // Nothing new: nothing is solved again.
-  const auto again = UpdateSuperpixelStereo(survey.photos, {}, {}, JobControl(), &memory);
-  EXPECT_EQ(again.reused.partitions, 6);
-  EXPECT_EQ(again.reused.solves, 6);
-  EXPECT_GE(again.reused.passes, 6);
-  ExpectSame(again, updated);
-
-  // A pose that moves: its photo is solved again, its superpixels stay.
-  PhotoSet moved = survey.photos;
-  moved.photos[2].cam_from_world.translation.x() += 1e-3;
-  const auto after_move = UpdateSuperpixelStereo(moved, {}, {}, JobControl(), &memory);
-  EXPECT_EQ(after_move.reused.partitions, 6);
-  EXPECT_EQ(after_move.reused.solves, 5);
-  ExpectSame(after_move, RunSuperpixelStereo(moved, {}, {}, JobControl()));
-
-  // Other options: nothing that depends on them is kept.
-  SuperpixelStereoOptions other;
-  other.smoothness_weight *= 2;
-  const auto changed = UpdateSuperpixelStereo(moved, {}, other, JobControl(), &memory);
-  EXPECT_EQ(changed.reused.partitions, 6);
-  EXPECT_EQ(changed.reused.solves, 0);
-  ExpectSame(changed, RunSuperpixelStereo(moved, {}, other, JobControl()));
-}
-
-TEST(SuperpixelStereo, AnUpdateTouchesOnlyWhatNewPhotosReach) {
-  // Two groups of photos that share nothing: the second one's photos are new.
-  AnalyticSurvey near = BoxSurvey(300, 3);
-  PhotoSet photos = near.photos;
-  StereoMemory memory;
-  UpdateSuperpixelStereo(photos, {}, {}, JobControl(), &memory);
-  for (const SupportPoint& point : near.photos.points) {
-    photos.points.push_back(point);
-    for (int& index : photos.points.back().photo_indices) index += 3;
-  }
-  for (PosedPhoto photo : near.photos.photos) {
-    photo.name = "new_" + photo.name;
-    photos.photos.push_back(photo);
-  }
-  const auto updated = UpdateSuperpixelStereo(photos, {}, {}, JobControl(), &memory);
-  EXPECT_EQ(updated.reused.partitions, 3);
-  EXPECT_EQ(updated.reused.solves, 3);
-  EXPECT_GE(updated.reused.passes, 3);
-  EXPECT_EQ(updated.reused.passes % 3, 0);
-  ExpectSame(updated, RunSuperpixelStereo(photos, {}, {}, JobControl()));
-}
-
 TEST(SuperpixelStereo, FusionEndsWhenNothingMoves) {
   const AnalyticSurvey survey = BoxSurvey(300, 4);
   SuperpixelStereoOptions one_pass;
@@ -275,7 +149,7 @@ TEST(SuperpixelStereo, DegenerateInputsGiveNoConfidence) {
     for (const ViewMesh& view : result.views) {
       for (const float confidence : view.confidence) EXPECT_EQ(confidence, 0.0F);
     }
-    EXPECT_TRUE(SamplePoints(photos, result.views, {}).empty());
+    EXPECT_TRUE(SamplePoints(photos, result.views, result.neighbors, {}).empty());
   }
   for (const ViewMesh& view : RunSuperpixelStereo(black, {}, {}, JobControl()).views) {
     for (const Eigen::Vector3d& depth : view.inverse_depth) EXPECT_TRUE(depth.allFinite());
@@ -317,7 +191,7 @@ TEST(Neighbors, AreChosenBySharedPointsAndAngle) {
 TEST(Points, LieOnTheSurfacesAndFaceTheCamera) {
   const AnalyticSurvey survey = BoxSurvey(600);
   const auto result = RunSuperpixelStereo(survey.photos, {}, {}, JobControl());
-  const OrientedPoints points = SamplePoints(survey.photos, result.views, {});
+  const OrientedPoints points = SamplePoints(survey.photos, result.views, result.neighbors, {});
   ASSERT_GT(points.size(), 5000u);
   // Facets of sky along the ground's far edge (15 m) may follow that edge: of an edge before what
   // has no texture, photos cannot tell the side that it belongs to.
@@ -347,13 +221,13 @@ TEST(Points, LieOnTheSurfacesAndFaceTheCamera) {
 TEST(Points, ThatNeighboursSeeThroughAreDropped) {
   const AnalyticSurvey survey = BoxSurvey(600);
   auto result = RunSuperpixelStereo(survey.photos, {}, {}, JobControl());
-  const std::size_t before = SamplePoints(survey.photos, {result.views}, {}).size();
+  const std::size_t before = SamplePoints(survey.photos, result.views, result.neighbors, {}).size();
   // One view claims, with confidence, that everything is at two thirds of its distance.
   ViewMesh& liar = result.views[3];
   for (Eigen::Vector3d& depth : liar.inverse_depth) depth *= 1.5;
   liar.confidence.assign(liar.confidence.size(), 1.0F);
   liar.supported.assign(liar.supported.size(), 1);
-  const OrientedPoints points = SamplePoints(survey.photos, result.views, {});
+  const OrientedPoints points = SamplePoints(survey.photos, result.views, result.neighbors, {});
   const auto lies = std::count_if(points.begin(), points.end(),
                                   [](const OrientedPoint& p) { return p.photo_index == 3; });
   EXPECT_LT(static_cast<double>(lies), 0.05 * static_cast<double>(before));

@@ -36,9 +36,11 @@ std::vector<ConfidenceCues> EvaluateCues(const std::vector<ViewMesh>& views,
 DenseMap ConfidenceCueMaps(const std::vector<ConfidenceCues>& cues, const cv::Mat1i& triangle_at,
                            const SuperpixelStereoOptions& options);
 
-// Sets the confidence of every view, in parallel; reads nothing but depths.
+// Sets the confidence of some views (`which`: their indices), in parallel; reads nothing but
+// depths.
 void EvaluateConfidence(const std::vector<ViewLookup>& lookups,
                         const std::vector<std::vector<int>>& neighbors,
+                        const std::vector<std::size_t>& which,
                         const SuperpixelStereoOptions& options, std::vector<ViewMesh>* views);
 
 }  // namespace colmap_ext

@@ -30,26 +30,19 @@ struct FacetDepths {
   std::vector<std::uint8_t> supported;         // as in ViewMesh
 };
 
-// One view of a pass: solved again from the result of the pass before, with E_fusion's rows and
-// `extra_rows`, facets with confidence above options.fixed_confidence fixed.
+// One view of a pass: solved again from the result of the pass before (so the order of views does
+// not matter), with E_fusion's rows and `extra_rows` (what else is known of its facets: photometric
+// hypotheses; rows of fixed facets do nothing), facets with confidence above
+// options.fixed_confidence fixed.
 FacetDepths FuseView(const LinearStereo& solver, const std::vector<ViewMesh>& views,
                      const std::vector<ViewLookup>& lookups,
                      const std::vector<int>& neighbors_of_view,
                      const std::vector<DepthRow>& extra_rows, int view,
                      const SuperpixelStereoOptions& options);
 
-// One pass: every view is solved again from the result of the pass before (so the order of views
-// and the number of threads do not matter), facets with confidence above options.fixed_confidence
-// fixed; then lookups and confidence are renewed. `solvers`, `lookups` and `views` have one entry a
-// view, and so have `extra_rows`: what else is known of its facets (photometric hypotheses), beside
-// the rows of E_fusion (rows of fixed facets do nothing), and `known`: null, or the result of the
-// view when it is known already. Returns the largest share of a view's facets whose depth moved by
-// more than options.fusion_tolerance. Throws CancelledError.
-double FuseViews(const std::vector<LinearStereo>& solvers,
-                 const std::vector<std::vector<int>>& neighbors,
-                 const std::vector<std::vector<DepthRow>>& extra_rows,
-                 const std::vector<const FacetDepths*>& known,
-                 const SuperpixelStereoOptions& options, const JobControl& job,
-                 std::vector<ViewLookup>* lookups, std::vector<ViewMesh>* views);
+// Share of a view's facets with a corner whose inverse depth changed by more than `tolerance` of
+// it.
+double MovedShare(const std::vector<Eigen::Vector3d>& before,
+                  const std::vector<Eigen::Vector3d>& after, double tolerance);
 
 }  // namespace colmap_ext

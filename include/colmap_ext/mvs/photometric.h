@@ -25,10 +25,11 @@ struct PhotoCue {
 // what the patch's texture lets one expect. 1 where too little texture makes it say nothing.
 double PhotoConsistency(const PhotoCue& cue, const SuperpixelStereoOptions& options);
 
-// All photos' grey values and points. Immutable after construction.
+// The photos' grey values and points. Immutable after construction.
 class PhotometricStage {
  public:
-  // `photos` (with pixels) and `neighbors` must outlive it.
+  // `photos` and `neighbors` must outlive it. Nothing may be asked of a photo without pixels, or
+  // with a neighbour without them.
   PhotometricStage(const PhotoSet& photos, const std::vector<std::vector<int>>& neighbors,
                    const SuperpixelStereoOptions& options);
 

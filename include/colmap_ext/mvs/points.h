@@ -1,6 +1,9 @@
 // The fused oriented point set that the surface stage takes.
 #pragma once
 
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -24,11 +27,27 @@ struct PointSamplerOptions {
 // Section "PointSampler".
 void BindOptions(OptionSet& set, PointSamplerOptions* options);
 
+// Where a view gives a point.
+struct PointSample {
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+  int triangle = 0;
+  std::array<std::uint8_t, 3> color{};  // RGB
+};
+
 // Points on a regular pixel grid of every view (and one at the centroid of facets that the grid
 // misses), on supported facets with enough confidence. Normals face the camera; colours come from
 // the photo, or from the facet when the photo has no pixels. Order: by view, then by row. `views`
-// has one entry a photo, in order.
+// and `neighbors` (best first) have one entry a photo, in order.
 OrientedPoints SamplePoints(const PhotoSet& photos, const std::vector<ViewMesh>& views,
+                            const std::vector<std::vector<int>>& neighbors,
                             const PointSamplerOptions& options);
+
+struct StereoMemory;
+
+// The same, for the views of an update (UpdateSuperpixelStereo, whose `memory` has every photo):
+// those that kept their mesh give the points where they gave them before. `memory` is updated.
+OrientedPoints UpdatePoints(const PhotoSet& photos, const std::vector<ViewMesh>& views,
+                            const std::vector<std::vector<int>>& neighbors,
+                            const PointSamplerOptions& options, StereoMemory* memory);
 
 }  // namespace colmap_ext

@@ -50,6 +50,11 @@ struct SuperpixelStereoOptions {
   double photometric_min_correlation = 0.6;  // planes that correlate less give no rows; [0, 1]
   double sigma_photometric = 0.4;  // σ_c, of 1 - correlation in Γ's fourth cue; (0, 1e3]
 
+  // Photos that keep their mesh when others come (PlanStereoUpdate).
+  double keep_tolerance_px = 0.25;  // as long as nothing moved by more in a neighbour; 0: none
+                                    // keeps it; [0, 100]
+  double keep_new_points = 0.2;  // and the photo gained at most this share of SfM points; [0, 1e6]
+
   std::string Check() const;
 };
 

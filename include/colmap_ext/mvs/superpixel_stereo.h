@@ -1,6 +1,8 @@
 // Linear dense MVS, from photos and SfM points to one mesh a view (paper, Sec. "Linear Dense MVS").
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "colmap_ext/mvs/photo_exchange.h"
@@ -14,13 +16,6 @@
 
 namespace colmap_ext {
 
-// How many photos' steps were taken from memory.
-struct StereoReuse {
-  int partitions = 0;
-  int solves = 0;
-  int passes = 0;  // over all passes of fusion
-};
-
 struct SuperpixelStereoResult {
   std::vector<ViewMesh> views;              // one a photo, in the order of the photos
   std::vector<std::vector<int>> neighbors;  // of each view, best first
@@ -28,7 +23,6 @@ struct SuperpixelStereoResult {
   StageCost stereo;
   StageCost photometric;
   StageCost fusion;
-  StereoReuse reused;
 };
 
 // Superpixels, initial solve, confidence and fusion of all photos (with pixels). Photos are worked
@@ -48,13 +42,31 @@ SuperpixelStereoResult ShareSuperpixelStereo(const PhotoSet& photos,
                                              const SuperpixelStereoOptions& options,
                                              const JobControl& job, PhotoExchange* exchange);
 
-// The same result to the last bit, sooner: what `memory` holds of earlier runs is used wherever it
-// was computed from the same input. So new photos solve themselves, and of the others only those
-// change that new points, a moved pose or a changed neighbour reach. `memory` is updated; empty at
-// first; after an exception it may be used further.
+// What an update works on.
+struct StereoUpdate {
+  std::vector<std::vector<int>> neighbors;           // of each photo, best first
+  std::vector<std::optional<double>> settled_scale;  // of each photo: SettledScale, if it is kept
+  std::vector<std::uint8_t> needs_pixels;  // photos that are solved, and their neighbours: not 0
+};
+
+// Photos that keep the mesh of an earlier update: those that were solved with these options, whose
+// pose and neighbours still stand to each other as they did (options.keep_tolerance_px), with no
+// new photo (one that `memory` does not have) among the neighbours, and with not many more SfM
+// points (options.keep_new_points). Pixels are not asked for. With keep_tolerance_px == 0 no photo
+// is kept. Throws UsageError for options out of range.
+StereoUpdate PlanStereoUpdate(const PhotoSet& photos, const SuperpixelOptions& superpixel_options,
+                              const SuperpixelStereoOptions& options, const StereoMemory& memory);
+
+// Solves the photos that `update` (the plan for the same photos, options and memory) does not keep;
+// the meshes of the others, as they are, are their neighbours. So what an update costs depends on
+// how many photos are new, not on how many are there; all that is kept lies within the tolerances
+// of PlanStereoUpdate of what RunSuperpixelStereo would start from. `memory` then has the result;
+// empty at first, which gives what RunSuperpixelStereo gives; after an exception it may be used
+// further. Photos need pixels where update.needs_pixels says so. Else as RunSuperpixelStereo.
 SuperpixelStereoResult UpdateSuperpixelStereo(const PhotoSet& photos,
                                               const SuperpixelOptions& superpixel_options,
                                               const SuperpixelStereoOptions& options,
-                                              const JobControl& job, StereoMemory* memory);
+                                              const StereoUpdate& update, const JobControl& job,
+                                              StereoMemory* memory);
 
 }  // namespace colmap_ext

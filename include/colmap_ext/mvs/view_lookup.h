@@ -16,6 +16,8 @@ cv::Mat1i TriangleIdMap(const ViewMesh& mesh);
 // The planes of a view's triangles, and the way from a pixel to its triangle. Refers to the mesh's
 // image plane only through `triangle_at`, which stays valid while depths change.
 struct ViewLookup {
+  ViewLookup() = default;  // of no view: nothing may be asked of it
+  // With an empty `triangle_at` every pixel is outside.
   ViewLookup(const ViewMesh& mesh, cv::Mat1i triangle_at);
 
   // Triangle at a pixel position; -1 outside.
@@ -39,7 +41,7 @@ struct ViewLookup {
   PinholeCamera camera;
   Rigid3d cam_from_world;
   Rigid3d world_from_cam;
-  Eigen::Matrix3d cam_from_world_rotation;
+  Eigen::Matrix3d cam_from_world_rotation = Eigen::Matrix3d::Identity();
   cv::Mat1i triangle_at;
   // Triangle t lies in the plane {X in the camera frame: plane_in_cam[t] · X = 1}: the inverse
   // depth on the ray r (z = 1) is plane_in_cam[t] · r.

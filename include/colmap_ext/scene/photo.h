@@ -1,6 +1,7 @@
 // A photo ready for the dense stages: undistorted, with its pose.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <opencv2/core.hpp>
@@ -18,6 +19,7 @@ struct PosedPhoto {
   std::string name;
   PinholeCamera camera;
   Rigid3d cam_from_world;
+  Camera lens;  // the model's camera, that `bgr` was undistorted from; width 0: unknown
   cv::Mat bgr;  // CV_8UC3, camera.width x camera.height; empty in stages that need no pixels
 };
 
@@ -34,11 +36,18 @@ struct PhotoSet {
   std::vector<SupportPoint> points;
 };
 
-// Reads the photos of `reconstruction` from `image_path`, in parallel, and undistorts those whose
-// camera is not a pinhole. With `with_pixels == false` the pictures are not opened. Throws Error
-// naming the photo that is missing, cannot be decoded, or is not of its camera's size.
+// Makes the photos of `reconstruction`; those whose camera is not a pinhole get an ideal one. With
+// `with_pixels` their pictures are read from `image_path` (LoadPixels). Throws Error when cameras,
+// images and points do not belong together.
 PhotoSet LoadPhotoSet(const Reconstruction& reconstruction, const std::string& image_path,
                       bool with_pixels);
+
+// Reads the pictures of the photos (of LoadPhotoSet) with which[i] != 0 from `image_path`, in
+// parallel, undistorts those whose lens is not a pinhole, and scales them to the size of
+// photos[i].camera (area averaging). Throws Error naming the photo that is missing, cannot be
+// decoded, or is not of its lens's size.
+void LoadPixels(const Reconstruction& reconstruction, const std::string& image_path,
+                const std::vector<std::uint8_t>& which, std::vector<PosedPhoto>* photos);
 
 // Reads a picture as BGR without applying its EXIF orientation (as COLMAP does). Throws Error
 // naming the file when it is missing, truncated or no picture.
@@ -50,7 +59,8 @@ void WritePhoto(const cv::Mat& bgr, const std::filesystem::path& path, int jpeg_
 
 // For each photo the others that show the same points, best first, at most `max_partners`.
 // `score(ray_a, ray_b)`: what one shared point is worth, from the vectors (world) from the centres
-// of both photos to it; not positive: nothing. Partners are ranked by the sum.
+// of both photos to it; not positive: nothing. Called from several threads. Partners are ranked by
+// the sum.
 std::vector<std::vector<int>> RankPartners(
     const PhotoSet& photos,
     const std::function<double(const Eigen::Vector3d& ray_a, const Eigen::Vector3d& ray_b)>& score,

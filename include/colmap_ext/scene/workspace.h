@@ -35,6 +35,8 @@ class Workspace {
 struct IterationFiles {
   std::filesystem::path folder;
   std::filesystem::path sparse() const { return folder / "sparse"; }
+  // What stereo keeps of the photos that this iteration solved.
+  std::filesystem::path stereo_bin() const { return folder / "stereo.bin"; }
   std::filesystem::path meshes() const { return folder / "meshes"; }
   std::filesystem::path dense() const { return folder / "dense"; }
   std::filesystem::path pictures() const { return folder / "pictures"; }

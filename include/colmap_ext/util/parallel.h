@@ -7,10 +7,12 @@
 #include <exception>
 #include <mutex>
 #include <thread>
-#include <vector>
 #else
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 #endif
+
+#include <vector>
 
 namespace colmap_ext {
 
@@ -40,10 +42,21 @@ void ParallelFor(Index count, const Body& body) {
   for (std::thread& thread : threads) thread.join();
   if (failure) std::rethrow_exception(failure);
 }
+template <typename Value>
+void ParallelSort(std::vector<Value>* values) {
+  std::sort(values->begin(), values->end());
+}
 #else
 template <typename Index, typename Body>
 void ParallelFor(Index count, const Body& body) {
   tbb::parallel_for(Index{0}, count, body);
+}
+
+// Sorts by operator<. Where the result must not depend on the number of threads, values that are
+// equal must be the same in all that they hold.
+template <typename Value>
+void ParallelSort(std::vector<Value>* values) {
+  tbb::parallel_sort(values->begin(), values->end());
 }
 #endif
 

@@ -32,7 +32,8 @@ void WriteIterationPictures(const IterationScenery& scenery, const std::filesyst
 
   FlightPicture flight;
   for (const PosedPhoto& taken : scenery.photos.photos) {
-    flight.photos.push_back({taken.image_id, taken.name, taken.camera, taken.cam_from_world, {}, {}});
+    flight.photos.push_back(
+        {taken.image_id, taken.name, taken.camera, taken.cam_from_world, {}, {}});
   }
   flight.views = scenery.planned;
   flight.path = scenery.path;

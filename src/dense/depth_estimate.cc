@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -71,21 +72,19 @@ void Pull(cv::Mat* value, cv::Mat* weight) {
 MergedDepth MergePairs(const std::vector<PairDepth>& pairs, double agreement_px) {
   const cv::Size size = pairs.at(0).inverse_depth.size();
   MergedDepth merged{cv::Mat::zeros(size, CV_32F), cv::Mat::zeros(size, CV_8U)};
-  cv::parallel_for_(cv::Range(0, size.height), [&](const cv::Range& rows) {
+  ParallelFor(size.height, [&](int y) {
     std::vector<Hypothesis> all(pairs.size());
-    for (int y = rows.start; y < rows.end; ++y) {
-      for (int x = 0; x < size.width; ++x) {
-        int n = 0;
-        for (const PairDepth& pair : pairs) {
-          const float inverse_depth = pair.inverse_depth.at<float>(y, x);
-          if (inverse_depth > 0) {
-            all[static_cast<std::size_t>(n++)] = {inverse_depth, pair.per_pixel.at<float>(y, x)};
-          }
+    for (int x = 0; x < size.width; ++x) {
+      int n = 0;
+      for (const PairDepth& pair : pairs) {
+        const float inverse_depth = pair.inverse_depth.at<float>(y, x);
+        if (inverse_depth > 0) {
+          all[static_cast<std::size_t>(n++)] = {inverse_depth, pair.per_pixel.at<float>(y, x)};
         }
-        const Group group = LargestGroup(all.data(), n, static_cast<float>(agreement_px));
-        merged.inverse_depth.at<float>(y, x) = group.inverse_depth;
-        merged.pairs.at<unsigned char>(y, x) = static_cast<unsigned char>(group.count);
       }
+      const Group group = LargestGroup(all.data(), n, static_cast<float>(agreement_px));
+      merged.inverse_depth.at<float>(y, x) = group.inverse_depth;
+      merged.pairs.at<unsigned char>(y, x) = static_cast<unsigned char>(group.count);
     }
   });
   return merged;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "colmap_ext/dense/pair_stereo.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -143,24 +144,22 @@ ConfirmedDepth ConfirmDepth(const DepthView& view, const std::vector<DepthView>&
   const cv::Size size = view.inverse_depth.size();
   ConfirmedDepth confirmed{cv::Mat::zeros(size, CV_32F), cv::Mat::zeros(size, CV_8U)};
   const Rigid3d world_from_cam = Inverse(view.cam_from_world);
-  cv::parallel_for_(cv::Range(0, size.height), [&](const cv::Range& rows) {
-    for (int y = rows.start; y < rows.end; ++y) {
-      for (int x = 0; x < size.width; ++x) {
-        const float inverse_depth = view.inverse_depth.at<float>(y, x);
-        if (!(inverse_depth > 0)) continue;
-        const Eigen::Vector2d pixel(x + 0.5, y + 0.5);
-        const Eigen::Vector3d point = world_from_cam * (view.camera.Ray(pixel) / inverse_depth);
-        int confirming = 0, contradicting = 0;
-        for (const DepthView& other : others) {
-          const auto verdict = AskWitness(view, pixel, point, other, options).verdict;
-          confirming += verdict == DepthWitness::Verdict::kConfirms;
-          contradicting += verdict == DepthWitness::Verdict::kContradicts;
-        }
-        if (!IsKept(confirming, contradicting, options.min_photos)) continue;
-        confirmed.inverse_depth.at<float>(y, x) = inverse_depth;
-        confirmed.photos.at<unsigned char>(y, x) =
-            static_cast<unsigned char>(std::min(255, 1 + confirming));
+  ParallelFor(size.height, [&](int y) {
+    for (int x = 0; x < size.width; ++x) {
+      const float inverse_depth = view.inverse_depth.at<float>(y, x);
+      if (!(inverse_depth > 0)) continue;
+      const Eigen::Vector2d pixel(x + 0.5, y + 0.5);
+      const Eigen::Vector3d point = world_from_cam * (view.camera.Ray(pixel) / inverse_depth);
+      int confirming = 0, contradicting = 0;
+      for (const DepthView& other : others) {
+        const auto verdict = AskWitness(view, pixel, point, other, options).verdict;
+        confirming += verdict == DepthWitness::Verdict::kConfirms;
+        contradicting += verdict == DepthWitness::Verdict::kContradicts;
       }
+      if (!IsKept(confirming, contradicting, options.min_photos)) continue;
+      confirmed.inverse_depth.at<float>(y, x) = inverse_depth;
+      confirmed.photos.at<unsigned char>(y, x) =
+          static_cast<unsigned char>(std::min(255, 1 + confirming));
     }
   });
   return confirmed;
@@ -172,20 +171,18 @@ PlaneMaps FitPlanes(const PinholeCamera& camera, const cv::Mat& inverse_depth,
                  cv::Mat::zeros(inverse_depth.size(), CV_32FC3)};
   const int radius = options.plane_window_px / 2;
   const auto max_error = static_cast<float>(options.max_depth_error);
-  cv::parallel_for_(cv::Range(0, inverse_depth.rows), [&](const cv::Range& rows) {
-    for (int y = rows.start; y < rows.end; ++y) {
-      for (int x = 0; x < inverse_depth.cols; ++x) {
-        if (!(inverse_depth.at<float>(y, x) > 0)) continue;
-        Plane plane;
-        if (!FitRobustPlane(inverse_depth, x, y, radius, max_error, &plane)) continue;
-        const Eigen::Vector3d ray = camera.Ray({x + 0.5, y + 0.5});
-        const Eigen::Vector3d normal = FacingNormal(camera, plane, ray);
-        if (!(-normal.dot(ray.normalized()) > kMinCosIncidence)) continue;
-        maps.inverse_depth.at<float>(y, x) = plane.a;
-        maps.normal.at<cv::Vec3f>(y, x) = {static_cast<float>(normal.x()),
-                                           static_cast<float>(normal.y()),
-                                           static_cast<float>(normal.z())};
-      }
+  ParallelFor(inverse_depth.rows, [&](int y) {
+    for (int x = 0; x < inverse_depth.cols; ++x) {
+      if (!(inverse_depth.at<float>(y, x) > 0)) continue;
+      Plane plane;
+      if (!FitRobustPlane(inverse_depth, x, y, radius, max_error, &plane)) continue;
+      const Eigen::Vector3d ray = camera.Ray({x + 0.5, y + 0.5});
+      const Eigen::Vector3d normal = FacingNormal(camera, plane, ray);
+      if (!(-normal.dot(ray.normalized()) > kMinCosIncidence)) continue;
+      maps.inverse_depth.at<float>(y, x) = plane.a;
+      maps.normal.at<cv::Vec3f>(y, x) = {static_cast<float>(normal.x()),
+                                         static_cast<float>(normal.y()),
+                                         static_cast<float>(normal.z())};
     }
   });
   return maps;

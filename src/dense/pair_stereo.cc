@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "colmap_ext/dense/epipolar_frame.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -130,12 +131,10 @@ class PairMatcher {
     cv::Mat left_map(window_.height, window_.width, CV_32FC2);
     cv::Mat right_map(window_.height, window_.width, CV_32FC2);
     partner_col_.create(window_.height, window_.width, CV_32F);
-    cv::parallel_for_(cv::Range(0, window_.height), [&](const cv::Range& rows) {
-      for (int y = rows.start; y < rows.end; ++y) {
-        for (int x = 0; x < window_.width; ++x) {
-          WarpPixel(x, y, &left_map.at<cv::Vec2f>(y, x), &right_map.at<cv::Vec2f>(y, x),
-                    &partner_col_.at<float>(y, x));
-        }
+    ParallelFor(window_.height, [&](int y) {
+      for (int x = 0; x < window_.width; ++x) {
+        WarpPixel(x, y, &left_map.at<cv::Vec2f>(y, x), &right_map.at<cv::Vec2f>(y, x),
+                  &partner_col_.at<float>(y, x));
       }
     });
     cv::remap(reference_.gray, left_, left_map, cv::noArray(), cv::INTER_LINEAR,
@@ -205,15 +204,11 @@ class PairMatcher {
 
   void Triangulate(PairDepth* depth) const {
     cv::Mat disparity(window_.height, window_.width, CV_32F);
-    cv::parallel_for_(cv::Range(0, window_.height), [&](const cv::Range& rows) {
-      for (int y = rows.start; y < rows.end; ++y) {
-        for (int x = 0; x < window_.width; ++x) disparity.at<float>(y, x) = DisparityAt(x, y);
-      }
+    ParallelFor(window_.height, [&](int y) {
+      for (int x = 0; x < window_.width; ++x) disparity.at<float>(y, x) = DisparityAt(x, y);
     });
-    cv::parallel_for_(cv::Range(0, reference_.camera.height), [&](const cv::Range& rows) {
-      for (int v = rows.start; v < rows.end; ++v) {
-        for (int u = 0; u < reference_.camera.width; ++u) TriangulatePixel(disparity, u, v, depth);
-      }
+    ParallelFor(reference_.camera.height, [&](int v) {
+      for (int u = 0; u < reference_.camera.width; ++u) TriangulatePixel(disparity, u, v, depth);
     });
   }
 

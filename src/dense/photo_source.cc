@@ -6,6 +6,7 @@
 
 #include "colmap_ext/scene/photo_metadata.h"
 #include "colmap_ext/util/error.h"
+#include "colmap_ext/util/parallel.h"
 
 namespace colmap_ext {
 namespace {
@@ -26,15 +27,12 @@ void CheckShape(const PhotoMetadata& file, const Camera& camera, const std::stri
 cv::Mat UndistortMap(const Camera& camera, const PinholeCamera& ideal,
                      const Eigen::Vector2d& ratio) {
   cv::Mat map(ideal.height, ideal.width, CV_32FC2);
-  cv::parallel_for_(cv::Range(0, ideal.height), [&](const cv::Range& rows) {
-    for (int y = rows.start; y < rows.end; ++y) {
-      for (int x = 0; x < ideal.width; ++x) {
-        const Eigen::Vector3d ray = ideal.Ray({x + 0.5, y + 0.5});
-        const Eigen::Vector2d pixel =
-            ImageFromNormalized(camera, ray.head<2>()).cwiseProduct(ratio);
-        map.at<cv::Vec2f>(y, x) = {static_cast<float>(pixel.x() - 0.5),
-                                   static_cast<float>(pixel.y() - 0.5)};
-      }
+  ParallelFor(ideal.height, [&](int y) {
+    for (int x = 0; x < ideal.width; ++x) {
+      const Eigen::Vector3d ray = ideal.Ray({x + 0.5, y + 0.5});
+      const Eigen::Vector2d pixel = ImageFromNormalized(camera, ray.head<2>()).cwiseProduct(ratio);
+      map.at<cv::Vec2f>(y, x) = {static_cast<float>(pixel.x() - 0.5),
+                                 static_cast<float>(pixel.y() - 0.5)};
     }
   });
   return map;

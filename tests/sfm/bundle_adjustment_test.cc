@@ -135,12 +135,13 @@ TEST(AdjustBundle, TakesScaleAndPlaceFromPositions) {
   EXPECT_TRUE(result.disagreements.empty());
 }
 
-// A row of photos, bent and stretched little by little.
-Reconstruction Drifted(const Reconstruction& truth) {
+// A row of photos, bent and stretched little by little; `amount`: 1 for a row of 150 m.
+Reconstruction Drifted(const Reconstruction& truth, double amount = 1) {
   Reconstruction model = truth;
-  const auto bend = [](const Eigen::Vector3d& point) {
-    const double x = point.x();
-    return Eigen::Vector3d(1.03 * x, point.y() + 4e-4 * x * x, point.z() + 6e-4 * x * x);
+  const auto bend = [amount](const Eigen::Vector3d& point) {
+    const double x = point.x(), bent = amount * x * x;
+    return Eigen::Vector3d((1 + 0.03 * amount) * x, point.y() + 4e-4 * bent,
+                           point.z() + 6e-4 * bent);
   };
   for (auto& [id, image] : model.images) {
     const Eigen::Vector3d center = bend(CameraCenter(image.cam_from_world));
@@ -159,6 +160,30 @@ TEST(AdjustBundle, PullsADriftedChainStraight) {
   AdjustBundle(WithPositions(truth, 0.5, 3), Tight(), {}, &model);
   EXPECT_LT(LargestCenterError(truth, model), 0.6);
   EXPECT_NEAR(TruthFromModel(truth, model).scale, 1, 0.01);
+}
+
+// More photos than equations are factorised for.
+TEST(AdjustBundle, PullsAChainOfHundredsStraight) {
+  SyntheticModel how;
+  how.keypoint_noise_px = 0.3;
+  const Reconstruction truth = ChainModel(450, 13500, how);
+  Reconstruction model = Drifted(truth, 1.0 / 81);
+  EXPECT_GT(LargestCenterError(truth, model), 10);
+  BundleOptions options;
+  options.max_iterations = 100;
+  AdjustBundle(WithPositions(truth, 0.5, 3), options, {}, &model);
+  EXPECT_LT(LargestCenterError(truth, model), 0.6);
+  EXPECT_NEAR(TruthFromModel(truth, model).scale, 1, 0.01);
+}
+
+TEST(AdjustBundle, FindsTheTruthOfHundredsOfPhotosAroundOnePlace) {
+  const Reconstruction truth = RingModel(410, 400);
+  Reconstruction model = truth;
+  PerturbPoses(0.1, 0.005, 1, &model);
+  PerturbPoints(0.1, 2, &model);
+  const BundleResult result = AdjustBundle({}, Tight(), {}, &model);
+  EXPECT_LT(result.final_rms_px, 1e-3);
+  EXPECT_LT(LargestCenterError(truth, model, TruthFromModel(truth, model)), 1e-3);
 }
 
 TEST(AdjustBundle, IsNotBentByOneWildPosition) {

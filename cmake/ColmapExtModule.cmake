@@ -50,7 +50,10 @@ function(colmap_ext_tests name)
   target_include_directories(test_${name} PRIVATE ${CMAKE_SOURCE_DIR}/src ${CMAKE_SOURCE_DIR}/tests)
   target_link_libraries(test_${name} PRIVATE ${ARG_LIBRARIES} GTest::gtest_main
                                              colmap_ext_warnings)
-  gtest_discover_tests(test_${name} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT 1500)
+  # Files of tests below the build folder: two builds may be tested at once.
+  file(MAKE_DIRECTORY "${CMAKE_BINARY_DIR}/test_tmp")
+  gtest_discover_tests(test_${name} DISCOVERY_MODE PRE_TEST
+    PROPERTIES TIMEOUT 1500 ENVIRONMENT "TEST_TMPDIR=${CMAKE_BINARY_DIR}/test_tmp")
 endfunction()
 
 # colmap_ext_bench(<name> [LIBRARIES ...]) makes bench_<name> from bench/<name>/*.cc.

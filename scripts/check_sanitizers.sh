@@ -35,6 +35,7 @@ suppressions="$PWD/scripts/sanitizers"
 export ASAN_OPTIONS="detect_stack_use_after_return=1:strict_string_checks=1"
 export LSAN_OPTIONS="suppressions=$suppressions/leaks.txt:print_suppressions=0"
 export UBSAN_OPTIONS="print_stacktrace=1:halt_on_error=1"
+export TEST_TMPDIR="$PWD/build/$kind/test_tmp"
 export TSAN_OPTIONS="suppressions=$suppressions/threads.txt:halt_on_error=0:second_deadlock_stack=1"
 
 logs="build/$kind/logs"

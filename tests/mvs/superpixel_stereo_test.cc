@@ -267,7 +267,7 @@ TEST(StereoIo, DenseWorkspaceHoldsWhatColmapAsksFor) {
   for (const PosedPhoto& photo : survey.photos.photos) {
     model.images[photo.image_id] = {photo.name, 1, photo.cam_from_world, {{{200, 50}}}};
   }
-  const auto folder = std::filesystem::temp_directory_path() / "colmap_ext_stereo_io_test";
+  const auto folder = std::filesystem::path(testing::TempDir()) / "colmap_ext_stereo_io_test";
   std::filesystem::remove_all(folder);
   WriteDenseWorkspace(survey.photos, model, result.views, result.neighbors, 0, folder);
   WriteViewMeshes(survey.photos, result.views, 0.5, folder / "meshes");
